@@ -1,0 +1,171 @@
+//! What you want to know about f: a value, a grid, a functional ⟨h, f⟩, a histogram.
+
+use crate::domain::{Domain, Interval, Point};
+use crate::error::Error;
+use crate::sampling::Sampler;
+
+/// Where a backward walk starts, and the weight h/p₀ it starts with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start<X> {
+    /// X₀.
+    pub point: X,
+    /// W₀ = h(X₀)/p₀(X₀).
+    pub weight: f64,
+}
+
+/// A set of cells, each a linear functional of f: cell j is `E[weight · f(point)]` over `start(j, u)`.
+pub trait Detector: Send + Sync {
+    /// States x.
+    type Point: Point;
+    /// One result a cell in this shape: a single one, or a list.
+    type Answer<T>;
+
+    /// Number of cells.
+    fn cells(&self) -> usize;
+
+    /// Draws the start of a walk for cell `cell`.
+    fn start<S: Sampler>(&self, cell: usize, u: &mut S) -> Start<Self::Point>;
+
+    /// Shapes the results of all cells, in order.
+    fn answer<T>(&self, cells: Vec<T>) -> Self::Answer<T>;
+
+    /// Refuses detectors without cells or with invalid numbers.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the parameter and its value.
+    fn validate(&self) -> Result<(), Error> {
+        if self.cells() == 0 { Err(Error::invalid("cells", 0.0, "a detector needs at least one cell")) } else { Ok(()) }
+    }
+}
+
+/// f(x) at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct At<X>(pub X);
+
+impl<X: Point> Detector for At<X> {
+    type Point = X;
+    type Answer<T> = T;
+    fn cells(&self) -> usize {
+        1
+    }
+    #[inline]
+    fn start<S: Sampler>(&self, _: usize, _: &mut S) -> Start<X> {
+        Start { point: self.0, weight: 1.0 }
+    }
+    fn answer<T>(&self, mut cells: Vec<T>) -> T {
+        cells.swap_remove(0)
+    }
+}
+
+/// f at several points, with independent walks for each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Points<X>(pub Vec<X>);
+
+impl<X: Point> Detector for Points<X> {
+    type Point = X;
+    type Answer<T> = Vec<T>;
+    fn cells(&self) -> usize {
+        self.0.len()
+    }
+    #[inline]
+    fn start<S: Sampler>(&self, cell: usize, _: &mut S) -> Start<X> {
+        Start { point: self.0[cell], weight: 1.0 }
+    }
+    fn answer<T>(&self, cells: Vec<T>) -> Vec<T> {
+        cells
+    }
+}
+
+/// The mean of f over each of `count` equal cells of an interval.
+///
+/// ```
+/// use fredholm::{detector::Bins, Equation, Walk};
+/// let eq = Equation::on_interval(0.0..=1.0, |x| x, |_, _| 0.0);
+/// let means = eq.seen_by(&Bins::new(0.0..=1.0, 2)).solve(&Walk::collision())?;
+/// assert!(means[0].agrees_with(0.25, 5.0) && means[1].agrees_with(0.75, 5.0));
+/// # Ok::<(), fredholm::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bins {
+    interval: Interval,
+    count: usize,
+}
+
+impl Bins {
+    /// `count` equal cells of `interval`.
+    #[must_use]
+    pub fn new(interval: impl Into<Interval>, count: usize) -> Self {
+        Bins { interval: interval.into(), count }
+    }
+
+    /// Middle of cell `cell`.
+    pub fn centre(&self, cell: usize) -> f64 {
+        self.interval.at((cell as f64 + 0.5) / self.count as f64)
+    }
+}
+
+impl Detector for Bins {
+    type Point = f64;
+    type Answer<T> = Vec<T>;
+    fn cells(&self) -> usize {
+        self.count
+    }
+    #[inline]
+    fn start<S: Sampler>(&self, cell: usize, u: &mut S) -> Start<f64> {
+        Start { point: self.interval.at((cell as f64 + u.next_1d()) / self.count as f64), weight: 1.0 }
+    }
+    fn answer<T>(&self, cells: Vec<T>) -> Vec<T> {
+        cells
+    }
+    fn validate(&self) -> Result<(), Error> {
+        self.interval.validate()?;
+        if self.count == 0 { Err(Error::invalid("bins", 0.0, "must be at least 1")) } else { Ok(()) }
+    }
+}
+
+/// The functional ⟨h, f⟩ = ∫ h(x) f(x) dμ(x), with starts drawn by the domain's map.
+///
+/// ```
+/// use fredholm::{detector::Functional, domain::Interval, Equation, Walk};
+/// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |_, _| 0.0);
+/// let mean = eq.seen_by(&Functional::new(Interval::from(0.0..=1.0), |x| 2.0 * x)).solve(&Walk::collision())?;
+/// assert!(mean.agrees_with(1.0, 5.0));
+/// # Ok::<(), fredholm::Error>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Functional<D, H> {
+    domain: D,
+    weight: H,
+}
+
+impl<D: std::fmt::Debug, H> std::fmt::Debug for Functional<D, H> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Functional").field("domain", &self.domain).finish_non_exhaustive()
+    }
+}
+
+impl<D: Domain, H: Fn(&D::Point) -> f64 + Send + Sync> Functional<D, H> {
+    /// ∫ h f dμ over `domain`.
+    pub fn new(domain: D, h: H) -> Self {
+        Functional { domain, weight: h }
+    }
+}
+
+impl<D: Domain, H: Fn(&D::Point) -> f64 + Send + Sync> Detector for Functional<D, H> {
+    type Point = D::Point;
+    type Answer<T> = T;
+    fn cells(&self) -> usize {
+        1
+    }
+    #[inline]
+    fn start<S: Sampler>(&self, _: usize, u: &mut S) -> Start<D::Point> {
+        let n = self.domain.sample(u);
+        Start { point: n.point, weight: (self.weight)(&n.point) * n.weight }
+    }
+    fn answer<T>(&self, mut cells: Vec<T>) -> T {
+        cells.swap_remove(0)
+    }
+    fn validate(&self) -> Result<(), Error> {
+        self.domain.validate()
+    }
+}

@@ -1,0 +1,3 @@
+//! Deterministic solves: quadrature, Nyström, Galerkin finite elements, spectra.
+
+pub mod quadrature;

@@ -1,0 +1,88 @@
+//! The half line [a, ∞).
+
+use super::{Domain, Node};
+use crate::error::Error;
+
+/// The half line [start, ∞) with Lebesgue measure, covered by the algebraic map x = start + s·t/(1 − t), t ∈ [0, 1).
+///
+/// The scale `s` is where half of the random points fall; choose it near the length over which f varies.
+///
+/// ```
+/// use fredholm::domain::{Domain, HalfLine};
+/// let h = HalfLine::new(0.0).scale(2.0);
+/// assert_eq!(h.volume(), f64::INFINITY);
+/// assert!((h.density(&0.0) - 0.5).abs() < 1e-15);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfLine {
+    start: f64,
+    scale: f64,
+}
+
+impl HalfLine {
+    /// [start, ∞) with scale 1.
+    #[must_use]
+    pub fn new(start: f64) -> Self {
+        HalfLine { start, scale: 1.0 }
+    }
+
+    /// Sets the scale s of the map, in units of x.
+    #[must_use]
+    pub fn scale(self, scale: f64) -> Self {
+        HalfLine { scale, ..self }
+    }
+
+    /// The end point a.
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+}
+
+impl Domain for HalfLine {
+    type Point = f64;
+
+    fn validate(&self) -> Result<(), Error> {
+        if !self.start.is_finite() {
+            return Err(Error::invalid("half-line start", self.start, "must be finite"));
+        }
+        if !(self.scale.is_finite() && self.scale > 0.0) {
+            return Err(Error::invalid("half-line scale", self.scale, "must be positive and finite"));
+        }
+        Ok(())
+    }
+
+    fn volume(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    #[inline]
+    fn contains(&self, x: &f64) -> bool {
+        *x >= self.start && x.is_finite()
+    }
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    #[inline]
+    fn place(&self, _: usize, mut next: impl FnMut() -> f64) -> Node<f64> {
+        let t = next();
+        let rest = 1.0 - t;
+        Node { point: self.start + self.scale * t / rest, weight: self.scale / (rest * rest) }
+    }
+
+    #[inline]
+    fn density(&self, x: &f64) -> f64 {
+        if !self.contains(x) {
+            return 0.0;
+        }
+        let d = self.scale + (x - self.start);
+        self.scale / (d * d)
+    }
+
+    #[inline]
+    fn coordinate(&self, x: &f64, _: usize) -> f64 {
+        let r = x - self.start;
+        r / (self.scale + r)
+    }
+}

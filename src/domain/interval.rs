@@ -1,0 +1,101 @@
+//! The finite interval [a, b].
+
+use super::{Domain, Node};
+use crate::error::Error;
+use std::ops::RangeInclusive;
+
+/// A finite interval [a, b] with Lebesgue measure.
+///
+/// ```
+/// use fredholm::domain::{Domain, Interval};
+/// let i = Interval::from(0.0..=2.0);
+/// assert_eq!(i.volume(), 2.0);
+/// assert!(Interval::from(1.0..=0.0).validate().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    lower: f64,
+    upper: f64,
+}
+
+impl Interval {
+    /// a.
+    #[inline]
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// b.
+    #[inline]
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// b − a.
+    #[inline]
+    pub fn length(&self) -> f64 {
+        self.upper - self.lower
+    }
+
+    /// a + t (b − a), kept inside [a, b] against rounding.
+    #[inline]
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        // the sum can round past b by one ulp; b itself is the correctly rounded point then
+        (self.lower + t * self.length()).min(self.upper)
+    }
+}
+
+impl From<RangeInclusive<f64>> for Interval {
+    fn from(range: RangeInclusive<f64>) -> Self {
+        Interval { lower: *range.start(), upper: *range.end() }
+    }
+}
+
+impl Domain for Interval {
+    type Point = f64;
+
+    fn validate(&self) -> Result<(), Error> {
+        if !self.lower.is_finite() {
+            return Err(Error::invalid("interval start", self.lower, "must be finite"));
+        }
+        if !self.upper.is_finite() {
+            return Err(Error::invalid("interval end", self.upper, "must be finite"));
+        }
+        if self.upper <= self.lower {
+            return Err(Error::invalid("interval end", self.upper, "must be greater than the start"));
+        }
+        if !self.length().is_finite() {
+            return Err(Error::invalid("interval length", self.length(), "must be finite"));
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn volume(&self) -> f64 {
+        self.length()
+    }
+
+    #[inline]
+    fn contains(&self, x: &f64) -> bool {
+        (self.lower..=self.upper).contains(x)
+    }
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    #[inline]
+    fn place(&self, _: usize, mut next: impl FnMut() -> f64) -> Node<f64> {
+        Node { point: self.at(next()), weight: self.length() }
+    }
+
+    #[inline]
+    fn density(&self, x: &f64) -> f64 {
+        if self.contains(x) { 1.0 / self.length() } else { 0.0 }
+    }
+
+    #[inline]
+    fn coordinate(&self, x: &f64, _: usize) -> f64 {
+        (x - self.lower) / self.length()
+    }
+}

@@ -1,0 +1,107 @@
+//! Where x lives: the domain Ω of an equation, its measure μ and a map from the unit cube.
+//!
+//! | domain | point | measure |
+//! |---|---|---|
+//! | [`Interval`] | `f64` | length |
+//! | [`HalfLine`] | `f64` | length (infinite) |
+//! | [`Cuboid<D>`] | `[f64; D]` | volume |
+//! | [`Grouped`] | `(point, usize)` | measure × counting: systems as one scalar equation |
+
+mod cuboid;
+mod grouped;
+mod half_line;
+mod interval;
+
+pub use cuboid::Cuboid;
+pub use grouped::Grouped;
+pub use half_line::HalfLine;
+pub use interval::Interval;
+
+use crate::deterministic::quadrature::composite_unit_rule;
+use crate::error::Error;
+use crate::sampling::Sampler;
+use std::fmt::Debug;
+
+/// A state of a walk: small, copyable, printable.
+pub trait Point: Copy + Debug + PartialEq + Send + Sync + 'static {}
+impl<T: Copy + Debug + PartialEq + Send + Sync + 'static> Point for T {}
+
+/// A point and the measure it stands for: `weight` is the Jacobian of the map from the cube, or the weight of a quadrature node.
+///
+/// `∫ φ dμ = E[weight · φ(point)]` for random points, `≈ Σ weight · φ(point)` for nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node<X> {
+    /// Where.
+    pub point: X,
+    /// How much measure, in units of μ.
+    pub weight: f64,
+}
+
+/// A set Ω with a measure μ, covered by a map from the unit cube (times finitely many discrete states).
+///
+/// Law: `density` is the density of `sample` with respect to μ: positive inside, ∫ density dμ = 1.
+pub trait Domain: Clone + Debug + Send + Sync + 'static {
+    /// Points of Ω.
+    type Point: Point;
+
+    /// Refuses empty, reversed or non-finite domains.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] with the offending number.
+    fn validate(&self) -> Result<(), Error>;
+
+    /// μ(Ω); infinity for a half line.
+    fn volume(&self) -> f64;
+
+    /// Whether x ∈ Ω.
+    fn contains(&self, x: &Self::Point) -> bool;
+
+    /// Number of continuous coordinates.
+    fn dimension(&self) -> usize;
+
+    /// Number of discrete states; 1 unless the domain is [`Grouped`].
+    fn states(&self) -> usize {
+        1
+    }
+
+    /// The map: coordinates in (0, 1) are read from `next` in order. `weight` is the Jacobian |dμ/dt|.
+    fn place(&self, state: usize, next: impl FnMut() -> f64) -> Node<Self::Point>;
+
+    /// The inverse of the map: coordinate `axis` of x, in [0, 1].
+    fn coordinate(&self, x: &Self::Point, axis: usize) -> f64;
+
+    /// The discrete state of x.
+    fn state(&self, x: &Self::Point) -> usize {
+        let _ = x;
+        0
+    }
+
+    /// Density of [`sample`](Domain::sample) with respect to μ at x ∈ Ω; 0 outside.
+    fn density(&self, x: &Self::Point) -> f64;
+
+    /// A random point by the domain's map; uniform where μ(Ω) is finite. `weight` is 1/density.
+    #[inline]
+    fn sample<S: Sampler>(&self, u: &mut S) -> Node<Self::Point> {
+        let states = self.states();
+        let state = if states == 1 { 0 } else { ((u.next_1d() * states as f64) as usize).min(states - 1) };
+        let node = self.place(state, || u.next_1d());
+        Node { point: node.point, weight: node.weight * states as f64 }
+    }
+
+    /// A tensor Gauss–Legendre rule with `panels` equal panels of `order` nodes along each coordinate of the map, for every state.
+    fn rule(&self, panels: usize, order: usize) -> Vec<Node<Self::Point>> {
+        let unit = composite_unit_rule(panels, order);
+        let count = unit.len().pow(self.dimension() as u32);
+        let node = |state: usize, index: usize| {
+            let (mut rest, mut weight) = (index, 1.0);
+            let placed = self.place(state, || {
+                let n = unit[rest % unit.len()];
+                rest /= unit.len();
+                weight *= n.weight;
+                n.point
+            });
+            Node { point: placed.point, weight: placed.weight * weight }
+        };
+        (0..self.states()).flat_map(|s| (0..count).map(move |i| (s, i))).map(|(s, i)| node(s, i)).collect()
+    }
+}

@@ -1,0 +1,162 @@
+//! Everything that can go wrong, with the numbers.
+
+/// Why an equation was not solved. Every message names the parameter or the place and its value.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting or a number of the problem is outside its range.
+    #[error("invalid {parameter} = {value}: {requirement}")]
+    Invalid {
+        /// Name of the parameter as in the API.
+        parameter: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        requirement: &'static str,
+    },
+    /// The source returned NaN or an infinity.
+    #[error("source g is not finite: g({at}) = {value}")]
+    NonFiniteSource {
+        /// The point x, as printed by its `Debug`.
+        at: String,
+        /// g(x), as printed by its `Debug`.
+        value: String,
+    },
+    /// The kernel returned NaN or an infinity.
+    #[error("kernel K is not finite: K({x}, {y}) = {value}")]
+    NonFiniteKernel {
+        /// The first argument.
+        x: String,
+        /// The second argument.
+        y: String,
+        /// K(x, y).
+        value: String,
+    },
+    /// A step of a walk carried a weight that is NaN or infinite although no kernel value seen was.
+    #[error("step from {x} to {y} has weight {weight}, density {density} (walk {walk} of cell {cell})")]
+    NonFiniteWeight {
+        /// Where the step began.
+        x: String,
+        /// Where it ended.
+        y: String,
+        /// Its weight K/π.
+        weight: String,
+        /// Its density π.
+        density: f64,
+        /// Detector cell.
+        cell: usize,
+        /// Index of the walk in the cell.
+        walk: u64,
+    },
+    /// The product of weights along a walk left the range of floating-point numbers.
+    #[error("weight of walk {walk} of cell {cell} is {weight} at vertex {vertex} ({at}): the scores overflow")]
+    Overflow {
+        /// Detector cell.
+        cell: usize,
+        /// Index of the walk in the cell.
+        walk: u64,
+        /// Vertex where it happened.
+        vertex: u64,
+        /// The point.
+        at: String,
+        /// The weight.
+        weight: String,
+    },
+    /// A walk did not end.
+    #[error("walk {walk} of cell {cell} was still alive after {steps} steps; give it an ending (roulette, fixed depth) or raise max_steps")]
+    WalkTooLong {
+        /// Detector cell.
+        cell: usize,
+        /// Index of the walk in the cell.
+        walk: u64,
+        /// The limit that was reached.
+        steps: u64,
+    },
+    /// Neither the kernel nor the method can end a walk.
+    #[error("walks cannot end: the kernel never absorbs and the method has no roulette; add `.roulette(…)` or `.depth(…)`")]
+    NeverEnds,
+    /// The Neumann series of |T| diverges: walks would not converge.
+    #[error(
+        "the Neumann series diverges: spectral radius of |T| is {radius} ± {uncertainty} ≥ 1; use a deterministic method (`Nystrom`), or `.accept_divergence()`"
+    )]
+    Divergent {
+        /// Spectral radius of the operator with kernel |K|.
+        radius: f64,
+        /// Its numerical uncertainty.
+        uncertainty: f64,
+    },
+    /// I − T has (numerically) no inverse.
+    #[error("the equation is singular to working precision: reciprocal condition number {rcond:.1e} with {unknowns} unknowns")]
+    Singular {
+        /// Estimated reciprocal condition number.
+        rcond: f64,
+        /// Size of the linear system.
+        unknowns: usize,
+    },
+    /// A deterministic solve did not reach its tolerance.
+    #[error("not converged: estimated error {error:.1e} > tolerance {tolerance:.1e} with {unknowns} unknowns")]
+    NotConverged {
+        /// Estimated error, in the units of f.
+        error: f64,
+        /// What was asked.
+        tolerance: f64,
+        /// Size of the largest system tried.
+        unknowns: usize,
+    },
+    /// A step states no density, which the scoring rule needs.
+    #[error(
+        "the step from {x} to {y} states no density, which {needed_by} needs: use `Step::with_pdf`, or `Step::singular` for a Dirac part"
+    )]
+    UnstatedDensity {
+        /// Where the step began.
+        x: String,
+        /// Where it ended.
+        y: String,
+        /// The scoring rule.
+        needed_by: &'static str,
+    },
+    /// A domain has no finite volume where one is needed.
+    #[error("{operation} needs a domain of finite volume")]
+    InfiniteDomain {
+        /// What was attempted.
+        operation: &'static str,
+    },
+    /// A saved state does not belong to this problem and method.
+    #[error("checkpoint does not fit: {field} was {saved}, now {now}")]
+    Checkpoint {
+        /// Which setting differs.
+        field: &'static str,
+        /// In the checkpoint.
+        saved: String,
+        /// In the method.
+        now: String,
+    },
+    /// Text that is not an equation this crate can state.
+    #[error("cannot state the equation: {0}")]
+    Formula(String),
+    /// Reading or writing failed.
+    #[error("{path}: {message}")]
+    Io {
+        /// File.
+        path: String,
+        /// What the system said.
+        message: String,
+    },
+}
+
+impl Error {
+    /// Refuses a parameter; the value is always part of the message.
+    pub(crate) fn invalid(parameter: &'static str, value: f64, requirement: &'static str) -> Self {
+        Error::Invalid { parameter, value, requirement }
+    }
+
+    /// A kernel value that is NaN or infinite, with the place.
+    pub(crate) fn non_finite_kernel<X: std::fmt::Debug, W: std::fmt::Debug>(x: &X, y: &X, value: &W) -> Self {
+        Error::NonFiniteKernel { x: format!("{x:?}"), y: format!("{y:?}"), value: format!("{value:?}") }
+    }
+
+    /// A source value that is NaN or infinite, with the place.
+    pub(crate) fn non_finite_source<X: std::fmt::Debug, V: std::fmt::Debug>(x: &X, value: &V) -> Self {
+        Error::NonFiniteSource { at: format!("{x:?}"), value: format!("{value:?}") }
+    }
+}

@@ -1,0 +1,216 @@
+//! Does Σ |T|ⁿ converge? Known before a walk starts (condition (A) of theory §4.1), from a coarse discretisation of |T|.
+//!
+//! One-dimensional kernels may peak or be singular on the diagonal. The discretisation therefore keeps the *row masses*
+//! ∫ |K(x_i, y)| dμ(y), computed by a rule graded towards y = x_i, and gives what the coarse nodes miss to the diagonal (singularity
+//! subtraction; Kantorovich, Krylov, *Approximate methods of higher analysis*, 1958, ch. II §1.5).
+
+use super::{HasDomain, Kernel};
+use crate::deterministic::quadrature::unit_rule;
+use crate::domain::{Domain, Node, Point};
+use crate::error::Error;
+use crate::sampling::{Pcg, Sequence};
+use crate::value::{Value, Weight};
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// A spectral radius with its numerical uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radius {
+    /// The estimate.
+    pub value: f64,
+    /// Half-width of the numerical uncertainty, from two discretisations.
+    pub uncertainty: f64,
+}
+
+impl Radius {
+    /// Whether the radius is at least 1 beyond its uncertainty.
+    pub fn diverges(&self) -> bool {
+        self.value - self.uncertainty >= 1.0
+    }
+}
+
+/// What is known about Σ |T|ⁿ before a walk.
+#[derive(Clone, Debug)]
+pub enum Series<X> {
+    /// The kernel cannot be evaluated on a domain.
+    Unknown,
+    /// A coarse discretisation is at hand.
+    Known(Arc<Discretised<X>>),
+}
+
+/// |T| on coarse nodes.
+#[derive(Clone, Debug)]
+pub struct Discretised<X> {
+    nodes: Vec<Node<X>>,
+    /// |K| in absolute components: block (i, j) is |K(x_i, y_j)| w_j
+    matrix: DMatrix<f64>,
+    radius: Radius,
+    mass: f64,
+}
+
+impl<X: Point> Discretised<X> {
+    /// Spectral radius of the operator with kernel |K|.
+    pub fn radius(&self) -> Radius {
+        self.radius
+    }
+
+    /// Largest row mass seen, an estimate of ‖T‖∞.
+    pub fn norm(&self) -> f64 {
+        self.mass
+    }
+
+    /// sup over the nodes of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)); `None` if the series diverges.
+    pub fn truncation_bound<V: Value>(&self, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
+        if self.radius.value >= 1.0 {
+            return None;
+        }
+        let source = DVector::from_iterator(
+            self.matrix.nrows(),
+            self.nodes.iter().flat_map(|n| {
+                let v = g(&n.point);
+                (0..V::COMPONENTS).map(move |i| v.component(i).abs())
+            }),
+        );
+        let identity = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
+        let mut rest = (identity - &self.matrix).lu().solve(&source)?;
+        for _ in 0..=depth.min(100_000) {
+            rest = &self.matrix * rest;
+        }
+        Some(rest.amax())
+    }
+}
+
+/// Most unknowns of the coarse discretisation.
+const UNKNOWNS: usize = 96;
+
+pub(super) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
+    kernel.domain().validate()?;
+    let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
+    let budget = (UNKNOWNS / components / kernel.domain().states()).max(12);
+    let (nodes, matrix) = discretise(kernel, budget, 0)?;
+    let (_, coarse) = discretise(kernel, budget / 2, 1)?;
+    let (value, other) = (spectral_radius(&matrix), spectral_radius(&coarse));
+    let mass = matrix.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
+    let radius = Radius { value, uncertainty: (value - other).abs() + 1e-12 * value };
+    Ok(Series::Known(Arc::new(Discretised { nodes, matrix, radius, mass })))
+}
+
+type Coarse<X> = (Vec<Node<X>>, DMatrix<f64>);
+
+fn discretise<K: Kernel + HasDomain>(kernel: &K, budget: usize, replicate: u32) -> Result<Coarse<K::Point>, Error> {
+    let domain = kernel.domain();
+    let nodes = match domain.dimension() {
+        1 => domain.rule(1, budget),
+        2 => domain.rule(1, ((4 * budget) as f64).sqrt() as usize),
+        // random nodes: the error of the radius is then O(n^{−1/2}), and `uncertainty` says so
+        _ => (0..4 * budget as u64)
+            .map(|i| {
+                let n = domain.sample(&mut Pcg::default().point(u64::MAX, replicate, i));
+                Node { point: n.point, weight: n.weight / (4 * budget) as f64 }
+            })
+            .collect(),
+    };
+    let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
+    let mut matrix = DMatrix::zeros(c * nodes.len(), c * nodes.len());
+    for (i, x) in nodes.iter().enumerate() {
+        for (j, y) in nodes.iter().enumerate() {
+            let k = kernel.eval(&x.point, &y.point);
+            if !k.entries_finite() {
+                if same_place(domain, &x.point, &y.point) {
+                    continue; // a diagonal singularity: filled from the row mass below
+                }
+                return Err(Error::non_finite_kernel(&x.point, &y.point, &k));
+            }
+            for a in 0..c {
+                for b in 0..c {
+                    matrix[(c * i + a, c * j + b)] = k.entry(a, b).abs() * y.weight;
+                }
+            }
+        }
+        if domain.dimension() == 1 {
+            keep_row_mass(kernel, &nodes, i, &mut matrix)?;
+        }
+    }
+    Ok((nodes, matrix))
+}
+
+fn same_place<D: Domain>(domain: &D, x: &D::Point, y: &D::Point) -> bool {
+    (0..domain.dimension()).all(|a| domain.coordinate(x, a) == domain.coordinate(y, a))
+}
+
+/// Sets the entries at y = x_i so that each (state, component) block of row i has its exact mass.
+fn keep_row_mass<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>], i: usize, matrix: &mut DMatrix<f64>) -> Result<(), Error> {
+    let domain = kernel.domain();
+    let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
+    let x = nodes[i].point;
+    let t = domain.coordinate(&x, 0);
+    let per_state = nodes.len() / domain.states();
+    let rule = unit_rule(6);
+    for state in 0..domain.states() {
+        let mut exact = vec![0.0; c * c];
+        for (end, span) in [(-1.0, t), (1.0, 1.0 - t)] {
+            let mut outer = span;
+            for level in 0..26 {
+                let inner = if level == 25 { 0.0 } else { outer * 0.4 };
+                for n in rule.iter() {
+                    let r = inner + (outer - inner) * n.point;
+                    let y = domain.place(state, || (t + end * r).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON));
+                    let k = kernel.eval(&x, &y.point);
+                    if !k.entries_finite() {
+                        if same_place(domain, &x, &y.point) {
+                            continue; // r below the spacing of floating-point numbers at x
+                        }
+                        return Err(Error::non_finite_kernel(&x, &y.point, &k));
+                    }
+                    let w = n.weight * (outer - inner) * y.weight;
+                    exact.iter_mut().enumerate().for_each(|(e, s)| *s += w * k.entry(e / c, e % c).abs());
+                }
+                outer = inner;
+            }
+        }
+        // the node of this state at the same place as x_i
+        let j = state * per_state + i % per_state;
+        for (e, exact) in exact.iter().enumerate() {
+            let (row, column) = (c * i + e / c, c * j + e % c);
+            let others: f64 = (state * per_state..(state + 1) * per_state).filter(|&l| l != j).map(|l| matrix[(row, c * l + e % c)]).sum();
+            // a coarse rule can overshoot a narrow peak; a negative entry would leave the cone of |T|
+            matrix[(row, column)] = (exact - others).max(0.0);
+        }
+    }
+    Ok(())
+}
+
+/// Spectral radius of a non-negative matrix: power iteration with Collatz–Wielandt bounds, else Gelfand's formula by repeated squaring.
+fn spectral_radius(a: &DMatrix<f64>) -> f64 {
+    let mut v = DVector::from_element(a.nrows(), 1.0);
+    for _ in 0..200 {
+        let w = a * &v;
+        let ratios = w.iter().zip(v.iter()).map(|(w, v)| w / v);
+        let (lo, hi) = ratios.fold((f64::INFINITY, 0.0f64), |(lo, hi), r| (lo.min(r), hi.max(r)));
+        let norm = w.amax();
+        if norm == 0.0 || (lo > 0.0 && hi - lo <= 1e-9 * hi) {
+            return if norm == 0.0 { 0.0 } else { 0.5 * (lo + hi) };
+        }
+        v = w / norm;
+        if v.iter().any(|x| *x <= 1e-100) {
+            break; // reducible: the bounds do not close
+        }
+    }
+    gelfand(a.clone())
+}
+
+/// ρ = lim ‖A^m‖^{1/m} with m = 2³²: exact to rounding for any matrix, whatever its Jordan form.
+fn gelfand(mut a: DMatrix<f64>) -> f64 {
+    let (mut log, mut power) = (0.0, 1.0f64);
+    for _ in 0..32 {
+        let norm = a.amax();
+        if norm == 0.0 {
+            return 0.0;
+        }
+        log += norm.ln() / power;
+        a /= norm;
+        a = &a * &a;
+        power *= 2.0;
+    }
+    log.exp()
+}

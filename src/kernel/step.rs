@@ -1,0 +1,78 @@
+//! One step of a walk.
+
+/// What a step states about its density π.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Density {
+    /// π(x, y) with respect to μ, the kernel's own survival included.
+    Known(f64),
+    /// The step has no density: a Dirac part of the kernel, such as a mirror. Only the walk itself can produce it.
+    Singular,
+    /// The step has a density but does not state it; next event and MIS refuse it.
+    Unstated,
+}
+
+/// Where a walk goes from x, with the weight K/π that makes it unbiased.
+///
+/// ```
+/// use fredholm::kernel::{Density, Step};
+/// assert_eq!(Step::with_pdf(0.3, 0.5, 2.0).density(), Density::Known(2.0));
+/// assert_eq!(Step::singular(0.3, 1.0).density(), Density::Singular);
+/// assert_eq!(Step::new(0.3, 1.0).density(), Density::Unstated);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step<X, W> {
+    point: X,
+    weight: W,
+    /// NaN = unstated, +∞ = singular: one word instead of two in the inner loop
+    pdf: f64,
+}
+
+impl<X: Copy, W: Copy> Step<X, W> {
+    /// A step that states no density: enough for collision and absorption estimators.
+    #[inline]
+    pub fn new(point: X, weight: W) -> Self {
+        Step { point, weight, pdf: f64::NAN }
+    }
+
+    /// A step of density `pdf` = π(x, point) > 0.
+    #[inline]
+    pub fn with_pdf(point: X, weight: W, pdf: f64) -> Self {
+        Step { point, weight, pdf }
+    }
+
+    /// A step along a Dirac part of the kernel.
+    #[inline]
+    pub fn singular(point: X, weight: W) -> Self {
+        Step { point, weight, pdf: f64::INFINITY }
+    }
+
+    /// The new point y.
+    #[inline]
+    pub fn point(&self) -> X {
+        self.point
+    }
+
+    /// K(x, y)/π(x, y).
+    #[inline]
+    pub fn weight(&self) -> W {
+        self.weight
+    }
+
+    /// What is stated about π(x, y).
+    #[inline]
+    pub fn density(&self) -> Density {
+        if self.pdf.is_nan() {
+            Density::Unstated
+        } else if self.pdf == f64::INFINITY {
+            Density::Singular
+        } else {
+            Density::Known(self.pdf)
+        }
+    }
+
+    /// The raw density: NaN if unstated, infinite if singular.
+    #[inline]
+    pub(crate) fn raw_pdf(&self) -> f64 {
+        self.pdf
+    }
+}

@@ -1,0 +1,90 @@
+//! Randomness: sequences of points of the unit cube [0, 1)^∞ and the cursor that reads one of them.
+//!
+//! A [`Sequence`] is a small value (kind and seed). `sequence.point(cell, replicate, index)` is a *pure function*: any walk can be replayed,
+//! and results do not depend on how work is split between threads. A [`Sampler`] is the cursor of one walk.
+//!
+//! Vertex n of a walk reads block n of its point, purpose by purpose ([`Purpose`]), so that what one decision consumes never shifts
+//! the dimensions of another (theory (4.14.1)).
+
+mod pcg;
+mod table;
+
+pub use pcg::{Pcg, PcgSampler};
+pub use table::Table;
+
+use std::fmt::Debug;
+
+/// What a vertex uses its random numbers for. Each purpose owns its own dimensions of the vertex's block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum Purpose {
+    /// Where the walk starts (detector, source).
+    Start = 0,
+    /// Whether it goes on.
+    Survival = 1,
+    /// Where it goes.
+    Move = 2,
+    /// Next-event estimation: a point of the source.
+    Event = 3,
+}
+
+/// The cursor of one walk: a point of the infinite-dimensional unit cube, read one coordinate after the other.
+///
+/// Law: every number is uniform and *strictly inside* (0, 1), so that logarithms and inverses are safe.
+pub trait Sampler {
+    /// The next coordinate, in (0, 1).
+    fn next_1d(&mut self) -> f64;
+
+    /// The next two coordinates.
+    #[inline]
+    fn next_2d(&mut self) -> [f64; 2] {
+        [self.next_1d(), self.next_1d()]
+    }
+
+    /// Moves to the dimensions of `purpose` at vertex `vertex`. Independent generators need not do anything.
+    #[inline]
+    fn seek(&mut self, vertex: u64, purpose: Purpose) {
+        let _ = (vertex, purpose);
+    }
+}
+
+impl<S: Sampler + ?Sized> Sampler for &mut S {
+    #[inline]
+    fn next_1d(&mut self) -> f64 {
+        (**self).next_1d()
+    }
+    #[inline]
+    fn next_2d(&mut self) -> [f64; 2] {
+        (**self).next_2d()
+    }
+    #[inline]
+    fn seek(&mut self, vertex: u64, purpose: Purpose) {
+        (**self).seek(vertex, purpose);
+    }
+}
+
+/// A family of points of [0, 1)^∞, addressed by detector cell, replicate and index.
+///
+/// Laws: `point` is a pure function; over `index` the points are uniform.
+pub trait Sequence: Copy + Debug + Send + Sync + 'static {
+    /// The cursor type.
+    type Sampler: Sampler;
+
+    /// Point `index` of replicate `replicate` for detector cell `cell`.
+    fn point(&self, cell: u64, replicate: u32, index: u64) -> Self::Sampler;
+
+    /// The same kind with another seed: for pilots, which must not share points with the main run.
+    #[must_use]
+    fn with_seed(self, seed: u64) -> Self;
+
+    /// `None` if the points are independent: the error then comes from all walks. Otherwise the number of independent randomisations,
+    /// from which it comes (Student, theory (4.14.4)).
+    fn replicates(&self) -> Option<u32> {
+        None
+    }
+
+    /// Kind and seed in words, to tell whether a checkpoint belongs to this sequence.
+    fn describe(&self) -> String {
+        format!("{self:?}")
+    }
+}

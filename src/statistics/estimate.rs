@@ -1,0 +1,211 @@
+//! A value with an honest error.
+
+use super::{Moments, Tail};
+use crate::value::Value;
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use std::fmt;
+use std::time::Duration;
+
+/// The bias of walks cut at a fixed depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Truncation {
+    /// Depth D at which walks are cut: terms T⁰g … T^D g are estimated.
+    pub depth: u64,
+    /// Walks that were cut while their weight was not zero.
+    pub walks: u64,
+    /// Bound on |T^{D+1} f| over the domain (theory (4.2.3)); `None` if the kernel cannot be evaluated on a domain, or its series diverges.
+    pub bias_bound: Option<f64>,
+}
+
+/// What the diagnostics say, in order of severity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The interval can be trusted.
+    Trustworthy,
+    /// The interval may be too short: skewed scores, an unreliable variance, or too few samples.
+    Doubtful,
+    /// No score was different from zero: the value is unknown, not zero (rule of three: with 95 % confidence fewer than 3/N walks score).
+    NothingScored,
+    /// The scores look as if their variance were infinite; the interval means nothing.
+    InfiniteVariance,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Verdict::Trustworthy => "trustworthy",
+            Verdict::Doubtful => "doubtful: the error itself is uncertain; take more samples",
+            Verdict::NothingScored => "nothing scored: the value is unknown, not zero",
+            Verdict::InfiniteVariance => "infinite variance suspected: do not use the error; change the proposal",
+        })
+    }
+}
+
+/// The result of a Monte Carlo method for one detector cell.
+///
+/// `Display` prints the value with its standard error in units of the last digits, `1.14984(48)`; `{:#}` adds what is known about it.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Estimate<V = f64> {
+    /// The estimate of f(x), or of the detector's functional.
+    pub value: V,
+    /// Standard error per component; `None` if it cannot be known (one sample, one replicate).
+    pub std_error: Option<V>,
+    /// Degrees of freedom of `std_error`.
+    pub degrees_of_freedom: u64,
+    /// Moments of the scores of single walks.
+    pub moments: Moments<V>,
+    /// The largest scores, where they were kept.
+    pub tail: Option<Tail>,
+    /// Steps of all walks.
+    pub steps: u64,
+    /// Evaluations of the kernel (a step counts as one).
+    pub evaluations: u64,
+    /// Set if walks were cut at a fixed depth: the estimate is biased.
+    pub truncation: Option<Truncation>,
+    /// Wall time of the whole run that produced this cell. Never influences a number.
+    pub elapsed: Duration,
+}
+
+impl<V: Value> Estimate<V> {
+    /// Number of walks.
+    pub fn samples(&self) -> u64 {
+        self.moments.count
+    }
+
+    /// Sample variance of one walk's score.
+    pub fn variance(&self) -> Option<V> {
+        self.moments.variance()
+    }
+
+    /// Student interval `value ± half_width` that covers the truth with probability `confidence` ∈ (0, 1), per component.
+    ///
+    /// `None` without a standard error, or with `confidence` outside (0, 1).
+    pub fn half_width(&self, confidence: f64) -> Option<V> {
+        if !(confidence > 0.0 && confidence < 1.0) || self.degrees_of_freedom == 0 {
+            return None;
+        }
+        let t = StudentsT::new(0.0, 1.0, self.degrees_of_freedom as f64).ok()?.inverse_cdf(0.5 + confidence / 2.0);
+        self.std_error.map(|s| s.scale(t))
+    }
+
+    /// Component-wise ends of the Student interval.
+    pub fn interval(&self, confidence: f64) -> Option<(V, V)> {
+        self.half_width(confidence).map(|h| (self.value - h, self.value + h))
+    }
+
+    /// Efficiency 1/(V·W), W = kernel evaluations a walk (theory (4.3.7)): machine-independent. Largest variance of the components.
+    pub fn efficiency(&self) -> Option<f64> {
+        let cost = self.evaluations.max(1) as f64 / self.samples().max(1) as f64;
+        self.variance().map(|v| 1.0 / (v.magnitude() * cost))
+    }
+
+    /// Efficiency 1/(V·T), T = wall seconds a walk (theory (4.3.7)).
+    pub fn efficiency_per_second(&self) -> Option<f64> {
+        let seconds = self.elapsed.as_secs_f64() / self.samples().max(1) as f64;
+        self.variance().map(|v| 1.0 / (v.magnitude() * seconds))
+    }
+
+    /// Whether every component is within `sigmas` standard errors of `reference`, up to rounding (and the truncation bound, if any).
+    pub fn agrees_with(&self, reference: V, sigmas: f64) -> bool {
+        let Some(se) = self.std_error else { return false };
+        let bias = self.truncation.map_or(0.0, |t| t.bias_bound.unwrap_or(f64::INFINITY));
+        (0..V::COMPONENTS).all(|i| {
+            let (v, r) = (self.value.component(i), reference.component(i));
+            (v - r).abs() <= sigmas * se.component(i) + bias + 16.0 * f64::EPSILON * v.abs().max(r.abs())
+        })
+    }
+
+    /// (value − reference)/standard error of component `i`; `None` where the standard error is unknown or zero.
+    pub fn z_score_of(&self, reference: V, i: usize) -> Option<f64> {
+        let se = self.std_error?.component(i);
+        (se > 0.0).then(|| (self.value.component(i) - reference.component(i)) / se)
+    }
+
+    /// The z-score of largest absolute value among the components.
+    pub fn z_score(&self, reference: V) -> Option<f64> {
+        (0..V::COMPONENTS).filter_map(|i| self.z_score_of(reference, i)).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
+    /// What skewness, variance of the variance and tail index say (theory (4.16.1), (4.16.2), §5.2).
+    pub fn verdict(&self) -> Verdict {
+        if self.moments.nonzero == 0 && self.samples() > 0 {
+            // scores that are all exactly zero may be right (g = 0): the caller knows, we do not
+            return Verdict::NothingScored;
+        }
+        let n = self.samples() as f64;
+        if let Some((index, error)) = self.tail.as_ref().and_then(Tail::index) {
+            if index + 2.0 * error < 2.0 {
+                return Verdict::InfiniteVariance;
+            }
+            // the variance of the variance needs α > 4; it is trusted only where the index does not speak against it
+            if index - error < 2.0 {
+                return Verdict::Doubtful;
+            }
+        }
+        let skew = self.moments.skewness().magnitude() / n.sqrt();
+        if self.samples() < 100 || self.moments.variance_of_variance().magnitude() > 0.1 || skew > 0.3 {
+            return Verdict::Doubtful;
+        }
+        Verdict::Trustworthy
+    }
+}
+
+/// `value(error)` with two digits of the error, one component.
+fn parenthesised(value: f64, error: f64) -> String {
+    if !(error > 0.0) || !error.is_finite() || !value.is_finite() {
+        return format!("{value}({error})");
+    }
+    let mut exponent = error.log10().floor() as i32 - 1;
+    // 0.0996 rounds to 0.10, which has its first digit one place further left
+    if (error / 10f64.powi(exponent)).round() >= 100.0 {
+        exponent += 1;
+    }
+    if (-12..=0).contains(&exponent) {
+        let digits = exponent.unsigned_abs() as usize;
+        return format!("{value:.digits$}({:.0})", error / 10f64.powi(exponent));
+    }
+    // far from 1: factor out a power of ten
+    let power = if value == 0.0 { error } else { value.abs().max(error) }.log10().floor() as i32;
+    let scale = 10f64.powi(power);
+    let digits = (power - exponent).max(0) as usize;
+    format!("{:.digits$}({:.0})e{power}", value / scale, error / 10f64.powi(exponent))
+}
+
+impl<V: Value> fmt::Display for Estimate<V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let one = |i: usize| match self.std_error {
+            Some(se) if se.component(i) == 0.0 => format!("{}(0)", self.value.component(i)),
+            Some(se) => parenthesised(self.value.component(i), se.component(i)),
+            None => format!("{}(?)", self.value.component(i)),
+        };
+        let text = if V::COMPONENTS == 1 { one(0) } else { format!("[{}]", (0..V::COMPONENTS).map(one).collect::<Vec<_>>().join(", ")) };
+        if !f.alternate() {
+            return f.pad(&text);
+        }
+        write!(f, "{text}, {} walks, {} steps", self.samples(), self.steps)?;
+        if let Some(t) = self.truncation {
+            match t.bias_bound {
+                Some(b) => write!(f, ", cut at depth {} (|bias| ≤ {b:.1e})", t.depth)?,
+                None => write!(f, ", cut at depth {} (bias unknown)", t.depth)?,
+            }
+        }
+        write!(f, ", {}", self.verdict())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parenthesised;
+
+    #[test]
+    fn two_digits_of_the_error() {
+        assert_eq!(parenthesised(1.149_84, 0.000_48), "1.14984(48)");
+        assert_eq!(parenthesised(0.2871, 0.000_996), "0.2871(10)");
+        assert_eq!(parenthesised(123.4, 7.5), "123.4(75)");
+        assert_eq!(parenthesised(12345.0, 1234.0), "1.23(12)e4");
+        assert_eq!(parenthesised(1.5e-20, 2.5e-22), "1.500(25)e-20");
+        assert_eq!(parenthesised(-3.0, 0.25), "-3.00(25)");
+    }
+}

@@ -1,0 +1,11 @@
+//! From scores to a number with an honest error: moments, tails, intervals, verdicts, stopping.
+
+mod estimate;
+mod moments;
+mod stopping;
+mod tail;
+
+pub use estimate::{Estimate, Truncation, Verdict};
+pub use moments::Moments;
+pub use stopping::{Progress, Target};
+pub use tail::Tail;

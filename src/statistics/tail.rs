@@ -1,0 +1,69 @@
+//! The largest scores and what they say about the variance.
+//!
+//! Hill, *A simple general approach to inference about the tail of a distribution*, Ann. Statist. 3 (1975) 1163; theory (4.16.2), §5.2.
+
+/// Largest scores kept.
+const KEPT: usize = 256;
+
+/// The largest |y| of all scores, exact and independent of how the work was split.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tail {
+    /// Descending.
+    largest: Vec<f64>,
+    count: u64,
+}
+
+impl Tail {
+    /// The tail of one block of `count` scores, given that scores up to `threshold` cannot belong to the largest of all.
+    pub(crate) fn of_block(magnitudes: impl Iterator<Item = f64>, threshold: f64) -> Self {
+        let mut largest = Vec::new();
+        let mut count = 0;
+        for m in magnitudes {
+            count += 1;
+            if m > threshold {
+                largest.push(m);
+            }
+        }
+        largest.sort_unstable_by(|a: &f64, b| b.total_cmp(a));
+        largest.truncate(KEPT);
+        Tail { largest, count }
+    }
+
+    /// Joins two tails.
+    pub(crate) fn merge(&mut self, other: &Tail) {
+        self.count += other.count;
+        if other.largest.is_empty() {
+            return;
+        }
+        self.largest.extend_from_slice(&other.largest);
+        self.largest.sort_unstable_by(|a, b| b.total_cmp(a));
+        self.largest.truncate(KEPT);
+    }
+
+    /// Scores at or below this cannot enter.
+    pub(crate) fn threshold(&self) -> f64 {
+        if self.largest.len() < KEPT { 0.0 } else { self.largest[KEPT - 1] }
+    }
+
+    /// The largest |y|, descending; at most 256.
+    pub fn largest(&self) -> &[f64] {
+        &self.largest
+    }
+
+    /// Hill's estimate of the tail index α (the variance is finite iff α > 2) and its standard error α/√k.
+    ///
+    /// From the k = min(256, √N·2, N/20) largest scores; `None` if fewer than 25 are not zero, or if they are equal (a bounded score piled up at its
+    /// bound has no tail).
+    pub fn index(&self) -> Option<(f64, f64)> {
+        let usable = self.largest.iter().take_while(|y| **y > 0.0).count();
+        let wanted = (2.0 * (self.count as f64).sqrt()).min(self.count as f64 / 20.0) as usize;
+        let k = wanted.min(usable.saturating_sub(1));
+        if k < 25 {
+            return None;
+        }
+        let reference = self.largest[k].ln();
+        let mean = self.largest[..k].iter().map(|y| y.ln() - reference).sum::<f64>() / k as f64;
+        (mean > 0.0).then(|| (1.0 / mean, 1.0 / mean / (k as f64).sqrt()))
+    }
+}

@@ -1,0 +1,153 @@
+//! When a walk ends: the survival probability P of every vertex.
+//!
+//! Roulette belongs to the method, absorption to the kernel. The weight is divided by P, so every ending is unbiased except a fixed
+//! depth, whose bias is bounded and reported.
+
+use crate::error::Error;
+use crate::kernel::{Operator, RowMass};
+use std::fmt::Debug;
+
+/// The survival probability of a vertex.
+pub trait Ending<K: Operator>: Copy + Debug + Send + Sync + 'static {
+    /// P ∈ [0, 1] at the vertex number `depth` (0 = start) at x, where the walk carries weights of magnitude `throughput`.
+    ///
+    /// Law: a function of the walk so far only; 0 where the walk may still score means bias, declared by [`cut`](Ending::cut).
+    fn survival(&self, kernel: &K, x: &K::Point, depth: u64, throughput: f64) -> f64;
+
+    /// The depth at which walks are cut whatever their weight.
+    fn cut(&self) -> Option<u64> {
+        None
+    }
+
+    /// Whether the walk can always end, P ≤ sup P < 1; the absorption estimator needs it where the kernel never absorbs.
+    fn always_may_end(&self) -> bool {
+        false
+    }
+
+    /// Whether this ending ever ends a walk.
+    fn ends(&self) -> bool {
+        true
+    }
+
+    /// Refuses probabilities outside (0, 1] and the like.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] naming the parameter and its value.
+    fn validate(&self) -> Result<(), Error> {
+        Ok(())
+    }
+}
+
+/// Russian roulette (theory §4.11): constant, or by throughput P = min(1, |W|/W_ref).
+///
+/// ```
+/// use fredholm::{Equation, Walk, walk::Roulette};
+/// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+/// for roulette in [Roulette::constant(0.5), Roulette::throughput(1.0), Roulette::constant(0.3).after(4)] {
+///     assert!(eq.at(0.5).solve(&Walk::collision().roulette(roulette))?.agrees_with(1.15, 5.0));
+/// }
+/// # Ok::<(), fredholm::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roulette {
+    rule: Rule,
+    after: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rule {
+    Constant(f64),
+    Throughput(f64),
+}
+
+impl Roulette {
+    /// Survive with probability `p` ∈ (0, 1] at every vertex. Finite variance needs ρ(K²/(p·proposal)) < 1 (theory (4.1.7)).
+    #[must_use]
+    pub fn constant(p: f64) -> Self {
+        Roulette { rule: Rule::Constant(p), after: 0 }
+    }
+
+    /// Survive with probability min(1, |W|/`reference`) (theory (4.11.1)): weights that survive are at least `reference`.
+    #[must_use]
+    pub fn throughput(reference: f64) -> Self {
+        Roulette { rule: Rule::Throughput(reference), after: 0 }
+    }
+
+    /// No roulette at the first `depth` vertices.
+    #[must_use]
+    pub fn after(self, depth: u64) -> Self {
+        Roulette { after: depth, ..self }
+    }
+}
+
+impl<K: Operator> Ending<K> for Roulette {
+    #[inline]
+    fn survival(&self, _: &K, _: &K::Point, depth: u64, throughput: f64) -> f64 {
+        if depth < self.after {
+            return 1.0;
+        }
+        match self.rule {
+            Rule::Constant(p) => p,
+            Rule::Throughput(reference) => (throughput / reference).min(1.0),
+        }
+    }
+
+    fn always_may_end(&self) -> bool {
+        self.after == 0 && matches!(self.rule, Rule::Constant(p) if p < 1.0)
+    }
+
+    fn ends(&self) -> bool {
+        !matches!(self.rule, Rule::Constant(p) if p >= 1.0)
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        match self.rule {
+            Rule::Constant(p) if !(p > 0.0 && p <= 1.0) => Err(Error::invalid("roulette survival probability", p, "must lie in (0, 1]")),
+            Rule::Throughput(r) if !(r > 0.0 && r.is_finite()) => {
+                Err(Error::invalid("roulette reference throughput", r, "must be positive and finite"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Cut every walk after `depth` steps: estimates Σ_{n ≤ depth} Tⁿg, with the bias bound printed (theory (4.2.3)).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FixedDepth(pub u64);
+
+impl<K: Operator> Ending<K> for FixedDepth {
+    #[inline]
+    fn survival(&self, _: &K, _: &K::Point, depth: u64, _: f64) -> f64 {
+        if depth < self.0 { 1.0 } else { 0.0 }
+    }
+    fn cut(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
+
+/// Only the kernel's own absorption ends walks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OwnAbsorption;
+
+impl<K: Operator> Ending<K> for OwnAbsorption {
+    #[inline]
+    fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> f64 {
+        1.0
+    }
+    fn ends(&self) -> bool {
+        false
+    }
+}
+
+/// Subcritical survival P(x) = min(1, M(x)) (theory (4.2.5)); with a proposal ∝ |K| the weights stay near ±1.
+///
+/// Where M(x) > 1 the walk survives and carries the weight on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Subcritical;
+
+impl<K: RowMass> Ending<K> for Subcritical {
+    #[inline]
+    fn survival(&self, kernel: &K, x: &K::Point, _: u64, _: f64) -> f64 {
+        kernel.mass(x).min(1.0)
+    }
+}

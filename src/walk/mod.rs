@@ -1,0 +1,259 @@
+//! Random-walk estimators of f = Σ Tⁿg, cut along three independent choices.
+//!
+//! - *Where the next point comes from*: the kernel's own [`Transition`], or a [proposal](crate::kernel::Proposal).
+//! - *When the walk ends*: [`Roulette`], [`FixedDepth`], [`Subcritical`], [`OwnAbsorption`].
+//! - *What is scored*: [`Collision`], [`Absorption`], [`NextEvent`], [`Mis`].
+//!
+//! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
+//! [`Walk::fixed_depth`]; every part can be exchanged.
+
+mod driver;
+mod ending;
+mod observer;
+mod rounds;
+mod run;
+mod scoring;
+
+pub use driver::End;
+pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical};
+pub use observer::{Observer, Trace, TracedVertex};
+pub use rounds::{Round, Rounds};
+pub use run::Checkpoint;
+pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, Scoring, Technique, Visit};
+
+use crate::detector::Detector;
+use crate::equation::{Equation, Method, Query};
+use crate::error::Error;
+use crate::kernel::{Operator, Series, Transition};
+use crate::sampling::{Pcg, Sequence};
+use crate::source::Source;
+use crate::statistics::{Estimate, Truncation};
+use crate::value::Weight;
+use run::Run;
+
+/// A random-walk method: scoring rule × ending × sequence, and a budget.
+///
+/// Defaults: 16 384 walks a cell, PCG with seed 0, at most 10⁶ steps a walk, roulette by throughput (P = min(1, |W|)) where the preset needs one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
+pub struct Walk<C = Collision, E = Roulette, Q = Pcg> {
+    scoring: C,
+    ending: E,
+    sequence: Q,
+    samples: u64,
+    max_steps: u64,
+    divergence: Divergence,
+}
+
+/// What to do if Σ|T|ⁿ is known to diverge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Divergence {
+    Refuse,
+    Accept,
+}
+
+impl<C, E> Walk<C, E, Pcg> {
+    /// Your own scoring rule and ending.
+    pub fn new(scoring: C, ending: E) -> Self {
+        Walk { scoring, ending, sequence: Pcg::default(), samples: 1 << 14, max_steps: 1_000_000, divergence: Divergence::Refuse }
+    }
+}
+
+impl Walk {
+    /// Scores W g at every vertex (theory (4.2.1)); needs a [`Transition`].
+    pub fn collision() -> Self {
+        Walk::new(Collision, Roulette::throughput(1.0))
+    }
+}
+
+impl Walk<Collision, FixedDepth> {
+    /// Cuts every walk after `depth` steps; the bias bound is part of the result (theory (4.2.3)).
+    pub fn fixed_depth(depth: u64) -> Self {
+        Walk::new(Collision, FixedDepth(depth))
+    }
+}
+
+impl Walk<Collision, Subcritical> {
+    /// Survives with probability M(x), weights near 1 (theory (4.2.5)); needs [`RowMass`](crate::kernel::RowMass).
+    pub fn subcritical() -> Self {
+        Walk::new(Collision, Subcritical)
+    }
+}
+
+impl Walk<Absorption, OwnAbsorption> {
+    /// Scores where the kernel absorbs the walk (theory (4.2.2)); needs [`Absorbing`](crate::kernel::Absorbing). Kernels that never absorb, such as
+    /// closures, need a `.roulette(…)` of constant probability.
+    pub fn absorption() -> Self {
+        Walk::new(Absorption, OwnAbsorption)
+    }
+}
+
+impl Walk<NextEvent> {
+    /// Scores a point of the source at every vertex (theory (4.4.2)); needs [`Kernel`](crate::kernel::Kernel) and
+    /// [`SampleSource`](crate::source::SampleSource).
+    pub fn next_event() -> Self {
+        Walk::new(NextEvent, Roulette::throughput(1.0))
+    }
+}
+
+impl Walk<Mis> {
+    /// Next event and the walk's own hits, weighted by the balance heuristic (theory (4.4.4)); needs also
+    /// [`TransitionPdf`](crate::kernel::TransitionPdf).
+    pub fn mis() -> Self {
+        Walk::new(Mis(Heuristic::Balance), Roulette::throughput(1.0))
+    }
+}
+
+impl<E, Q> Walk<Mis, E, Q> {
+    /// Another combination of the two techniques.
+    pub fn heuristic(self, heuristic: Heuristic) -> Self {
+        Walk { scoring: Mis(heuristic), ..self }
+    }
+}
+
+impl<C, E, Q> Walk<C, E, Q> {
+    /// Walks for every detector cell, in all replicates together; rounded up to a multiple of the replicates.
+    pub fn samples_per_cell(self, samples: u64) -> Self {
+        Walk { samples, ..self }
+    }
+
+    /// A walk of more steps is an [`Error::WalkTooLong`].
+    pub fn max_steps(self, max_steps: u64) -> Self {
+        Walk { max_steps, ..self }
+    }
+
+    /// Walks even if the Neumann series of |T| is known to diverge. Expectation and variance may then not exist: you insist, you answer for it.
+    pub fn accept_divergence(self) -> Self {
+        Walk { divergence: Divergence::Accept, ..self }
+    }
+
+    /// Ends walks by another rule.
+    pub fn ending<F>(self, ending: F) -> Walk<C, F, Q> {
+        let Walk { scoring, sequence, samples, max_steps, divergence, .. } = self;
+        Walk { scoring, ending, sequence, samples, max_steps, divergence }
+    }
+
+    /// Ends walks by Russian roulette.
+    pub fn roulette(self, roulette: Roulette) -> Walk<C, Roulette, Q> {
+        self.ending(roulette)
+    }
+
+    /// Cuts walks after `depth` steps: biased, with a bound in the result.
+    pub fn depth(self, depth: u64) -> Walk<C, FixedDepth, Q> {
+        self.ending(FixedDepth(depth))
+    }
+
+    /// Draws from another sequence.
+    pub fn sequence<R: Sequence>(self, sequence: R) -> Walk<C, E, R> {
+        let Walk { scoring, ending, samples, max_steps, divergence, .. } = self;
+        Walk { scoring, ending, sequence, samples, max_steps, divergence }
+    }
+}
+
+impl<C, E, Q: Sequence> Walk<C, E, Q> {
+    /// Sets the seed.
+    pub fn seed(self, seed: u64) -> Self {
+        Walk { sequence: self.sequence.with_seed(seed), ..self }
+    }
+
+    /// Replays walk `walk` of detector cell `cell` vertex by vertex (first replicate).
+    ///
+    /// ```
+    /// # use fredholm::{Equation, Walk, detector::At};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+    /// let trace = Walk::collision().seed(7).trace(&eq, &At(0.5), 0, 3);
+    /// assert_eq!(trace.vertices[0].point, 0.5);
+    /// assert_eq!(trace.score, trace.vertices.iter().map(|v| v.score).sum());
+    /// ```
+    pub fn trace<G, K, D>(&self, equation: &Equation<G, K>, detector: &D, cell: usize, walk: u64) -> Trace<K::Point, K::Weight>
+    where
+        G: Source,
+        K: Transition + Operator<Point = G::Point>,
+        K::Weight: Weight<Value = G::Value>,
+        C: Scoring<G, K>,
+        E: Ending<K>,
+        D: Detector<Point = G::Point>,
+    {
+        run::replay(self, equation, detector, cell, 0, walk).1
+    }
+
+    /// Everything that can be refused before the first walk; returns what is known of the truncation bias.
+    fn prepare<G, K, D>(&self, equation: &Equation<G, K>, detector: &D) -> Result<Option<Truncation>, Error>
+    where
+        G: Source,
+        K: Transition + Operator<Point = G::Point>,
+        K::Weight: Weight<Value = G::Value>,
+        C: Scoring<G, K>,
+        E: Ending<K>,
+        D: Detector<Point = G::Point>,
+    {
+        equation.validate()?;
+        detector.validate()?;
+        self.ending.validate()?;
+        self.scoring.validate(equation, &self.ending)?;
+        if self.samples == 0 {
+            return Err(Error::invalid("samples_per_cell", 0.0, "must be at least 1"));
+        }
+        if self.max_steps == 0 {
+            return Err(Error::invalid("max_steps", 0.0, "must be at least 1"));
+        }
+        if self.sequence.replicates() == Some(0) {
+            return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
+        }
+        let series = equation.kernel().series()?;
+        if let (Series::Known(s), Divergence::Refuse, None) = (&series, self.divergence, self.ending.cut()) {
+            let radius = s.radius();
+            if radius.diverges() {
+                return Err(Error::Divergent { radius: radius.value, uncertainty: radius.uncertainty });
+            }
+        }
+        Ok(self.ending.cut().map(|depth| Truncation {
+            depth,
+            walks: 0,
+            bias_bound: match &series {
+                Series::Known(s) => s.truncation_bound(depth, |x| equation.source().eval(x)),
+                Series::Unknown => None,
+            },
+        }))
+    }
+}
+
+impl<G, K, D, C, E, Q> Method<G, K, D> for Walk<C, E, Q>
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    Q: Sequence,
+    D: Detector<Point = G::Point>,
+{
+    type Solution = D::Answer<Estimate<G::Value>>;
+
+    fn solve(&self, equation: &Equation<G, K>, detector: &D) -> Result<Self::Solution, Error> {
+        let mut run = Run::new(self, equation, detector)?;
+        run.advance_to(self.samples)?;
+        Ok(run.answer())
+    }
+}
+
+impl<'a, G, K, D> Query<'a, G, K, D>
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    D: Detector<Point = G::Point>,
+{
+    /// Solves in rounds that you own: leave the loop when you like, save the state, resume bit for bit.
+    ///
+    /// # Errors
+    /// Whatever can be refused before the first walk.
+    pub fn rounds<'q, C, E, Q>(&'q self, walk: &Walk<C, E, Q>) -> Result<Rounds<'q, G, K, D, C, E, Q>, Error>
+    where
+        C: Scoring<G, K>,
+        E: Ending<K>,
+        Q: Sequence,
+    {
+        Ok(Rounds::new(Run::new(walk, self.equation(), self.detector())?))
+    }
+}

@@ -1,0 +1,308 @@
+//! Many walks: cut into chunks by the problem, never by the thread; merged serially in index order.
+
+use super::driver::{End, backward};
+use super::observer::{Observer, Recorder, Trace};
+use super::scoring::Scoring;
+use super::{Ending, Walk};
+use crate::detector::Detector;
+use crate::equation::Equation;
+use crate::error::Error;
+use crate::kernel::{Operator, Transition};
+use crate::parallel;
+use crate::sampling::{Purpose, Sampler, Sequence};
+use crate::source::Source;
+use crate::statistics::{Estimate, Moments, Tail, Truncation};
+use crate::value::{Value, Weight};
+use std::time::{Duration, Instant};
+
+/// Walks in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
+const CHUNK: u64 = 1024;
+/// Chunks in flight before they are merged: bounds memory on long runs.
+const BATCH: usize = 4096;
+/// Detectors with more cells keep no tails: 256 numbers a cell would outweigh an image.
+const CELLS_WITH_TAILS: usize = 1024;
+
+/// The state of one detector cell.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Cell<V> {
+    /// one for each replicate; a single one for independent points
+    replicates: Vec<Moments<V>>,
+    tail: Option<Tail>,
+    steps: u64,
+    cut: u64,
+}
+
+/// Everything a run needs to go on bit for bit: save it with `serde`, resume with [`Rounds::resume`](super::Rounds::resume).
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Checkpoint<V> {
+    method: String,
+    done: u64,
+    round: u64,
+    elapsed: Duration,
+    cells: Vec<Cell<V>>,
+}
+
+/// A run in progress.
+#[derive(Debug)]
+pub(super) struct Run<'a, G: Source, K, D, C, E, Q> {
+    pub(super) walk: Walk<C, E, Q>,
+    equation: &'a Equation<G, K>,
+    detector: &'a D,
+    truncation: Option<Truncation>,
+    pub(super) state: Checkpoint<G::Value>,
+}
+
+impl<V> Checkpoint<V> {
+    /// Rounds done.
+    pub fn round(&self) -> u64 {
+        self.round
+    }
+}
+
+struct Chunk<V> {
+    moments: Moments<V>,
+    tail: Tail,
+    steps: u64,
+    cut: u64,
+}
+
+impl<'a, G, K, D, C, E, Q> Run<'a, G, K, D, C, E, Q>
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    Q: Sequence,
+    D: Detector<Point = G::Point>,
+{
+    pub(super) fn new(walk: &Walk<C, E, Q>, equation: &'a Equation<G, K>, detector: &'a D) -> Result<Self, Error> {
+        let truncation = walk.prepare(equation, detector)?;
+        let cells = detector.cells();
+        let cell = Cell {
+            replicates: vec![Moments::default(); walk.sequence.replicates().unwrap_or(1) as usize],
+            tail: (cells <= CELLS_WITH_TAILS).then(Tail::default),
+            steps: 0,
+            cut: 0,
+        };
+        // the budget may change on resume, the method may not
+        let method = format!("{:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
+        let state = Checkpoint { method, done: 0, round: 0, elapsed: Duration::ZERO, cells: vec![cell; cells] };
+        Ok(Run { walk: *walk, equation, detector, truncation, state })
+    }
+
+    pub(super) fn resume(&mut self, saved: Checkpoint<G::Value>) -> Result<(), Error> {
+        let differ =
+            |field, saved: &dyn ToString, now: &dyn ToString| Error::Checkpoint { field, saved: saved.to_string(), now: now.to_string() };
+        if saved.method != self.state.method {
+            return Err(differ("method", &saved.method, &self.state.method));
+        }
+        if saved.cells.len() != self.state.cells.len() {
+            return Err(differ("number of cells", &saved.cells.len(), &self.state.cells.len()));
+        }
+        let replicates = self.state.cells[0].replicates.len();
+        if let Some(c) = saved.cells.iter().find(|c| c.replicates.len() != replicates) {
+            return Err(differ("number of replicates", &c.replicates.len(), &replicates));
+        }
+        self.state = saved;
+        Ok(())
+    }
+
+    pub(super) fn equation(&self) -> &'a Equation<G, K> {
+        self.equation
+    }
+
+    /// One more round, up to `samples` walks a cell.
+    pub(super) fn advance_round(&mut self, samples: u64) -> Result<(), Error> {
+        self.advance_to(samples)?;
+        self.state.round += 1;
+        Ok(())
+    }
+
+    /// All estimates in the detector's shape.
+    pub(super) fn answer(&self) -> D::Answer<Estimate<G::Value>> {
+        self.detector.answer(self.estimates())
+    }
+
+    /// Walks a cell so far, all replicates together.
+    pub(super) fn done(&self) -> u64 {
+        self.state.done * self.replicates()
+    }
+
+    fn replicates(&self) -> u64 {
+        u64::from(self.walk.sequence.replicates().unwrap_or(1))
+    }
+
+    /// Goes on until every cell has `samples` walks (rounded up to the replicates).
+    pub(super) fn advance_to(&mut self, samples: u64) -> Result<(), Error> {
+        let clock = Instant::now();
+        let replicates = self.replicates();
+        let end = samples.div_ceil(replicates);
+        let mut batch = 8;
+        while self.state.done < end {
+            let cells = self.state.cells.len();
+            let rows = cells * replicates as usize;
+            let chunks = (batch / rows).max(1) as u64;
+            let from = self.state.done;
+            // whole chunks, so that any schedule of rounds cuts the walks at the same places
+            let to = ((from / CHUNK + chunks) * CHUNK).min(end);
+            self.batch(from, to)?;
+            self.state.done = to;
+            batch = (8 * batch).min(BATCH);
+        }
+        self.state.elapsed += clock.elapsed();
+        Ok(())
+    }
+
+    fn batch(&mut self, from: u64, to: u64) -> Result<(), Error> {
+        let replicates = self.replicates() as usize;
+        let chunks = (to.div_ceil(CHUNK) - from / CHUNK) as usize;
+        let tasks = self.state.cells.len() * replicates * chunks;
+        // group small tasks: an image has many cells of a few walks each
+        let group = (CHUNK / (to - from).max(1)).clamp(1, 64) as usize;
+        let this = &*self;
+        let results = parallel::map(tasks.div_ceil(group), |g| {
+            let one = |task: usize| {
+                let (row, chunk) = (task / chunks, (task % chunks) as u64 + from / CHUNK);
+                let (cell, replicate) = (row / replicates, row % replicates);
+                this.chunk(cell, replicate as u32, from.max(chunk * CHUNK), to.min((chunk + 1) * CHUNK))
+            };
+            (g * group..((g + 1) * group).min(tasks)).map(one).collect::<Result<Vec<_>, Error>>()
+        });
+        let mut task = 0;
+        for chunk in results {
+            for chunk in chunk? {
+                let (row, cells) = (task / chunks, &mut self.state.cells);
+                let cell = &mut cells[row / replicates];
+                cell.replicates[row % replicates].merge(&chunk.moments);
+                if let Some(tail) = &mut cell.tail {
+                    tail.merge(&chunk.tail);
+                }
+                cell.steps += chunk.steps;
+                cell.cut += chunk.cut;
+                task += 1;
+            }
+        }
+        Ok(())
+    }
+
+    fn chunk(&self, cell: usize, replicate: u32, from: u64, to: u64) -> Result<Chunk<G::Value>, Error> {
+        let mut scores = Vec::with_capacity((to - from) as usize);
+        let (mut steps, mut cut) = (0, 0);
+        let sequence = &self.walk.sequence;
+        // the next walk's point is prepared while this one runs: its hash then costs no latency
+        let mut next = sequence.point(cell as u64, replicate, from);
+        for index in from..to {
+            let mut u = std::mem::replace(&mut next, sequence.point(cell as u64, replicate, index + 1));
+            let outcome = one_walk(&self.walk, self.equation, self.detector, cell, &mut u, &mut ());
+            steps += outcome.steps;
+            match outcome.end {
+                End::Cut => cut += 1,
+                End::TooLong => return Err(Error::WalkTooLong { cell, walk: index, steps: outcome.steps }),
+                End::Absorbed | End::Roulette => {}
+            }
+            scores.push(outcome.score);
+        }
+        let moments = Moments::from_scores(&scores);
+        if !(moments.mean.all_finite() && moments.m4.all_finite()) {
+            self.explain(cell, replicate, from, &scores)?;
+        }
+        let tail = match &self.state.cells[cell].tail {
+            Some(tail) => Tail::of_block(scores.iter().map(Value::magnitude), tail.threshold()),
+            None => Tail::default(),
+        };
+        Ok(Chunk { moments, tail, steps, cut })
+    }
+
+    /// Finds the cause of scores that are not finite by replaying the first such walk.
+    #[cold]
+    fn explain(&self, cell: usize, replicate: u32, from: u64, scores: &[G::Value]) -> Result<(), Error> {
+        let Some(i) = scores.iter().position(|s| !s.all_finite()) else {
+            // finite scores whose fourth power overflows: the moments say ∞, the mean is right
+            return Ok(());
+        };
+        let walk = from + i as u64;
+        let (fault, trace) = replay(&self.walk, self.equation, self.detector, cell, replicate, walk);
+        let (vertex, last) = (trace.vertices.len() as u64 - 1, trace.vertices.last().expect("a walk has a start"));
+        let unexplained = Error::Overflow { cell, walk, vertex, at: format!("{:?}", last.point), weight: format!("{:?}", last.weight) };
+        Err(fault.unwrap_or(unexplained))
+    }
+
+    pub(super) fn estimates(&self) -> Vec<Estimate<G::Value>> {
+        self.state.cells.iter().map(|cell| self.estimate(cell)).collect()
+    }
+
+    fn estimate(&self, cell: &Cell<G::Value>) -> Estimate<G::Value> {
+        let mut moments = Moments::default();
+        cell.replicates.iter().for_each(|m| moments.merge(m));
+        let (std_error, freedom) = match self.walk.sequence.replicates() {
+            None => (moments.std_error(), moments.count.saturating_sub(1)),
+            Some(r) => {
+                let means: Vec<_> = cell.replicates.iter().map(|m| m.mean).collect();
+                (Moments::from_scores(&means).std_error(), u64::from(r) - 1)
+            }
+        };
+        let vertices = cell.steps + moments.count - cell.cut;
+        Estimate {
+            value: moments.mean,
+            std_error,
+            degrees_of_freedom: freedom,
+            moments,
+            tail: cell.tail.clone(),
+            steps: cell.steps,
+            evaluations: cell.steps + C::EVALUATIONS * vertices,
+            truncation: self.truncation.map(|t| Truncation { walks: cell.cut, ..t }),
+            elapsed: self.state.elapsed,
+        }
+    }
+}
+
+#[inline]
+fn one_walk<G, K, D, C, E, Q, S, O>(
+    walk: &Walk<C, E, Q>,
+    equation: &Equation<G, K>,
+    detector: &D,
+    cell: usize,
+    u: &mut S,
+    observer: &mut O,
+) -> super::driver::Outcome<G::Value>
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    D: Detector<Point = G::Point>,
+    S: Sampler,
+    O: Observer<K::Point, K::Weight>,
+{
+    u.seek(0, Purpose::Start);
+    let start = detector.start(cell, u);
+    backward(equation, &walk.scoring, &walk.ending, walk.max_steps, start, u, observer)
+}
+
+/// One walk again, recorded.
+pub(super) fn replay<G, K, D, C, E, Q>(
+    walk: &Walk<C, E, Q>,
+    equation: &Equation<G, K>,
+    detector: &D,
+    cell: usize,
+    replicate: u32,
+    index: u64,
+) -> (Option<Error>, Trace<K::Point, K::Weight>)
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    Q: Sequence,
+    D: Detector<Point = G::Point>,
+{
+    let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
+    let mut u = walk.sequence.point(cell as u64, replicate, index);
+    let outcome = one_walk(walk, equation, detector, cell, &mut u, &mut recorder);
+    (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.score, end: outcome.end })
+}

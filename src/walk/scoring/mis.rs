@@ -1,0 +1,131 @@
+//! Next event combined with the walk's own hits by multiple importance sampling.
+//!
+//! ```text
+//! Y = g(X₀) + Σ_n W_n [ w_q(X_n, ζ_n) (K g/q)(ζ_n)  +  1{survive} w_π(X_n, X_{n+1}) (K/π)(X_n, X_{n+1}) g(X_{n+1}) ]      theory (4.4.4)
+//! w_i = p_i^β / Σ_k p_k^β,      p_q = q,  p_π = π = P · pdf                                                                theory (4.4.5)
+//! ```
+//!
+//! Derivation: both techniques estimate (Tg)(X_n); weights that add up to 1 wherever K g ≠ 0, and vanish where their technique has no density,
+//! keep the sum unbiased. The survival probability belongs into π.
+//!
+//! Wins whenever neither technique is good everywhere: the balance heuristic is never worse than the better one by more than a bounded amount
+//! (theory (4.4.7)). Reference: Veach, Guibas, *Optimally combining sampling techniques for Monte Carlo rendering*, SIGGRAPH 1995.
+
+use super::next_event::{connect, unstated};
+use super::{Arrival, Scoring, Visit, collide};
+use crate::equation::Equation;
+use crate::error::Error;
+use crate::kernel::{Density, Kernel, Operator, TransitionPdf};
+use crate::sampling::Sampler;
+use crate::source::SampleSource;
+use crate::value::{Value, Weight};
+use crate::walk::{Ending, Observer};
+
+/// How two techniques share a point (theory (4.4.5)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Heuristic {
+    /// w ∝ p (β = 1).
+    Balance,
+    /// w ∝ p^β; β = 2 is the usual choice.
+    Power(f64),
+    /// All to the larger density, ties to the next event (β = ∞, theory (2.2.5)).
+    Maximum,
+    /// Equal shares among the techniques with p > 0 (β = 0).
+    Average,
+}
+
+impl Heuristic {
+    /// Weight of the technique of density `own` against one of density `other`; `first` breaks ties of the maximum.
+    ///
+    /// Law: `share(a, b, First) + share(b, a, Second) = 1` unless both are 0, and `share(0, b, _) = 0`.
+    ///
+    /// ```
+    /// use fredholm::walk::{Heuristic, Technique};
+    /// assert_eq!(Heuristic::Balance.share(1.0, 3.0, Technique::First), 0.25);
+    /// assert_eq!(Heuristic::Power(2.0).share(1.0, 3.0, Technique::First), 0.1);
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn share(&self, own: f64, other: f64, technique: Technique) -> f64 {
+        if own <= 0.0 {
+            return 0.0;
+        }
+        if other <= 0.0 {
+            return 1.0;
+        }
+        // from the ratio: p^β would overflow (theory §6.2, MIS)
+        let ratio = other / own;
+        match self {
+            Heuristic::Balance => 1.0 / (1.0 + ratio),
+            Heuristic::Power(beta) => 1.0 / (1.0 + if *beta == 2.0 { ratio * ratio } else { ratio.powf(*beta) }),
+            Heuristic::Maximum => match technique {
+                Technique::First => f64::from(own >= other),
+                Technique::Second => f64::from(own > other),
+            },
+            Heuristic::Average => 0.5,
+        }
+    }
+}
+
+/// Which of two techniques a weight is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Technique {
+    /// Next event: wins ties of the maximum heuristic.
+    First,
+    /// The walk's own step.
+    Second,
+}
+
+/// Next event and the walk's own hits, weighted by a [`Heuristic`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mis(pub Heuristic);
+
+impl<G, K> Scoring<G, K> for Mis
+where
+    G: SampleSource,
+    K: Kernel + TransitionPdf + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+{
+    const EVALUATIONS: u64 = 1;
+
+    #[inline]
+    fn arrival<O: Observer<K::Point, K::Weight>>(
+        &self,
+        equation: &Equation<G, K>,
+        visit: &Visit<K::Point, K::Weight>,
+        arrival: Arrival<K::Point>,
+        observer: &mut O,
+    ) -> G::Value {
+        let share = match (arrival.density(), &arrival) {
+            (Density::Known(pdf), Arrival::Step { from, .. }) => {
+                self.0.share(pdf, equation.source().pdf_for(from, &visit.point), Technique::Second)
+            }
+            (Density::Unstated, _) => return unstated::<G, K, O>(visit, arrival, "multiple importance sampling", observer),
+            _ => 1.0,
+        };
+        collide(equation, visit, share, observer)
+    }
+
+    #[inline]
+    fn vertex<S: Sampler, O: Observer<K::Point, K::Weight>>(
+        &self,
+        equation: &Equation<G, K>,
+        visit: &Visit<K::Point, K::Weight>,
+        u: &mut S,
+        observer: &mut O,
+    ) -> G::Value {
+        let Some(event) = equation.source().sample_for(&visit.point, u) else { return G::Value::ZERO };
+        let pi = visit.survival * equation.kernel().pdf(&visit.point, &event.point);
+        let share = self.0.share(1.0 / event.weight, pi, Technique::First);
+        connect(equation, visit, &event.point, share * event.weight, observer)
+    }
+
+    fn validate<E: Ending<K>>(&self, _: &Equation<G, K>, _: &E) -> Result<(), Error> {
+        match self.0 {
+            Heuristic::Power(beta) if !(beta > 0.0 && beta.is_finite()) => {
+                Err(Error::invalid("power heuristic exponent", beta, "must be positive and finite"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
