@@ -20,7 +20,8 @@ use crate::value::Value;
 /// # use fredholm::{Equation, Walk, statistics::Target};
 /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
 /// let target = Target::absolute(2e-3)?;
-/// let mut rounds = eq.at(0.5).rounds(&Walk::collision().samples_per_cell(1 << 22))?;
+/// let query = eq.at(0.5);
+/// let mut rounds = query.rounds(&Walk::collision().samples_per_cell(1 << 22))?;
 /// let f = loop {
 ///     let round = rounds.next().expect("the target is met before the budget is spent")?;
 ///     if target.progress(&round.estimates).met { break round.estimates; }
