@@ -62,6 +62,14 @@ pub enum Error {
         /// The weight.
         weight: String,
     },
+    /// A survival probability, or the row mass it came from, is negative or NaN.
+    #[error("survival probability at {at} is {value}: row masses and probabilities must not be negative or NaN")]
+    InvalidProbability {
+        /// The point, as printed by its `Debug`.
+        at: String,
+        /// The probability.
+        value: f64,
+    },
     /// A walk did not end.
     #[error("walk {walk} of cell {cell} was still alive after {steps} steps; give it an ending (roulette, fixed depth) or raise max_steps")]
     WalkTooLong {

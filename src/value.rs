@@ -103,6 +103,10 @@ impl Value for f64 {
     fn from_components(mut f: impl FnMut(usize) -> f64) -> f64 {
         f(0)
     }
+    #[inline]
+    fn magnitude(&self) -> f64 {
+        self.abs()
+    }
 }
 
 impl Weight for f64 {

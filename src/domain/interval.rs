@@ -41,7 +41,8 @@ impl Interval {
     #[inline]
     pub(crate) fn at(&self, t: f64) -> f64 {
         // the sum can round past b by one ulp; b itself is the correctly rounded point then
-        (self.lower + t * self.length()).min(self.upper)
+        let x = self.lower + t * self.length();
+        if x > self.upper { self.upper } else { x }
     }
 }
 

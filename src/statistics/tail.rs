@@ -15,28 +15,23 @@ pub struct Tail {
 }
 
 impl Tail {
-    /// The tail of one block of `count` scores, given that scores up to `threshold` cannot belong to the largest of all.
+    /// The tail of one block of `count` scores, unordered, given that scores up to `threshold` cannot belong to the largest of all.
     pub(crate) fn of_block(magnitudes: impl Iterator<Item = f64>, threshold: f64) -> Self {
-        let mut largest = Vec::new();
         let mut count = 0;
-        for m in magnitudes {
-            count += 1;
-            if m > threshold {
-                largest.push(m);
-            }
+        let mut largest: Vec<f64> = magnitudes.inspect(|_| count += 1).filter(|m| *m > threshold).collect();
+        if largest.len() > KEPT {
+            largest.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
+            largest.truncate(KEPT);
         }
-        largest.sort_unstable_by(|a: &f64, b| b.total_cmp(a));
-        largest.truncate(KEPT);
         Tail { largest, count }
     }
 
-    /// Joins two tails.
-    pub(crate) fn merge(&mut self, other: &Tail) {
-        self.count += other.count;
-        if other.largest.is_empty() {
-            return;
+    /// Joins the tails of many blocks.
+    pub(crate) fn merge<'a>(&mut self, blocks: impl IntoIterator<Item = &'a Tail>) {
+        for block in blocks {
+            self.count += block.count;
+            self.largest.extend_from_slice(&block.largest);
         }
-        self.largest.extend_from_slice(&other.largest);
         self.largest.sort_unstable_by(|a, b| b.total_cmp(a));
         self.largest.truncate(KEPT);
     }

@@ -62,36 +62,43 @@ where
     let cut = ending.cut().unwrap_or(u64::MAX);
     let mut visit = Visit { point: start.point, weight: K::Weight::ONE.scaled(start.weight), survival: 1.0 };
     observer.vertex(&visit.point, &visit.weight);
-    let mut score = scoring.arrival(equation, &visit, Arrival::Start, observer);
+    let mut score = G::Value::ZERO;
+    scoring.arrival(equation, &visit, Arrival::Start, &mut score, observer);
     let mut depth = 0;
     let end = loop {
-        visit.survival = ending.survival(kernel, &visit.point, depth, visit.weight.norm());
+        let survival = ending.survival(kernel, &visit.point, depth, visit.weight.norm());
+        visit.survival = survival.probability();
         if depth < cut {
             u.seek(depth, Purpose::Event);
-            score += scoring.vertex(equation, &visit, u, observer);
+            scoring.vertex(equation, &visit, u, &mut score, observer);
         }
-        if visit.survival < 1.0 {
+        let mut weight = visit.weight;
+        if visit.survival != 1.0 {
             u.seek(depth, Purpose::Survival);
-            // `!(<)`: a NaN weight gives a NaN probability, which must end the walk, not prolong it
-            if visit.survival <= 0.0 || !(u.next_1d() < visit.survival) {
+            // `!(<)`: a NaN probability must end the walk, not prolong it
+            if !(u.next_1d() < visit.survival) {
+                if !(visit.survival >= 0.0) {
+                    // dying more often than always would be a silent bias: poison the score, the replay names the place
+                    observer.survival(&visit.point, visit.survival);
+                    score = G::Value::from_components(|_| f64::NAN);
+                }
                 break if depth >= cut { End::Cut } else { End::Roulette };
             }
+            weight = weight.scaled(survival.reciprocal());
         }
         if depth == max_steps {
             break End::TooLong;
         }
         u.seek(depth, Purpose::Move);
         let Some(step) = kernel.step(&visit.point, u) else { break End::Absorbed };
-        let (from, point, weight, pdf) = (visit.point, step.point(), step.weight(), step.raw_pdf());
-        observer.step(&from, &point, &weight, pdf);
-        let carried = if visit.survival < 1.0 { weight.scaled(1.0 / visit.survival) } else { weight };
+        let (from, pdf) = (visit.point, step.raw_pdf());
+        observer.step(&from, &step.point(), &step.weight(), pdf);
         let arrival = Arrival::Step { from, pdf: pdf * visit.survival };
-        visit = Visit { point, weight: visit.weight.then(carried), survival: 1.0 };
+        visit = Visit { point: step.point(), weight: weight.then(step.weight()), survival: 1.0 };
         depth += 1;
         observer.vertex(&visit.point, &visit.weight);
-        score += scoring.arrival(equation, &visit, arrival, observer);
+        scoring.arrival(equation, &visit, arrival, &mut score, observer);
     };
-    score += scoring.end(equation, &visit, observer);
-    debug_assert!(G::Value::COMPONENTS > 0);
+    scoring.end(equation, &visit, &mut score, observer);
     Outcome { score, steps: depth, end }
 }

@@ -7,12 +7,45 @@ use crate::error::Error;
 use crate::kernel::{Operator, RowMass};
 use std::fmt::Debug;
 
+/// A survival probability P with its reciprocal, by which the weight of survivors is multiplied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Survival {
+    probability: f64,
+    reciprocal: f64,
+}
+
+impl Survival {
+    /// P = 1.
+    pub const CERTAIN: Survival = Survival { probability: 1.0, reciprocal: 1.0 };
+
+    /// Survival with probability `p` ∈ [0, 1].
+    #[inline]
+    #[must_use]
+    pub fn with_probability(p: f64) -> Self {
+        Survival { probability: p, reciprocal: 1.0 / p }
+    }
+
+    /// P.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self) -> f64 {
+        self.probability
+    }
+
+    /// 1/P.
+    #[inline]
+    #[must_use]
+    pub fn reciprocal(&self) -> f64 {
+        self.reciprocal
+    }
+}
+
 /// The survival probability of a vertex.
 pub trait Ending<K: Operator>: Copy + Debug + Send + Sync + 'static {
     /// P ∈ [0, 1] at the vertex number `depth` (0 = start) at x, where the walk carries weights of magnitude `throughput`.
     ///
     /// Law: a function of the walk so far only; 0 where the walk may still score means bias, declared by [`cut`](Ending::cut).
-    fn survival(&self, kernel: &K, x: &K::Point, depth: u64, throughput: f64) -> f64;
+    fn survival(&self, kernel: &K, x: &K::Point, depth: u64, throughput: f64) -> Survival;
 
     /// The depth at which walks are cut whatever their weight.
     fn cut(&self) -> Option<u64> {
@@ -82,13 +115,14 @@ impl Roulette {
 
 impl<K: Operator> Ending<K> for Roulette {
     #[inline]
-    fn survival(&self, _: &K, _: &K::Point, depth: u64, throughput: f64) -> f64 {
+    fn survival(&self, _: &K, _: &K::Point, depth: u64, throughput: f64) -> Survival {
         if depth < self.after {
-            return 1.0;
+            return Survival::CERTAIN;
         }
         match self.rule {
-            Rule::Constant(p) => p,
-            Rule::Throughput(reference) => (throughput / reference).min(1.0),
+            Rule::Constant(p) => Survival::with_probability(p),
+            Rule::Throughput(reference) if throughput >= reference => Survival::CERTAIN,
+            Rule::Throughput(reference) => Survival { probability: throughput / reference, reciprocal: reference / throughput },
         }
     }
 
@@ -117,8 +151,8 @@ pub struct FixedDepth(pub u64);
 
 impl<K: Operator> Ending<K> for FixedDepth {
     #[inline]
-    fn survival(&self, _: &K, _: &K::Point, depth: u64, _: f64) -> f64 {
-        if depth < self.0 { 1.0 } else { 0.0 }
+    fn survival(&self, _: &K, _: &K::Point, depth: u64, _: f64) -> Survival {
+        if depth < self.0 { Survival::CERTAIN } else { Survival::with_probability(0.0) }
     }
     fn cut(&self) -> Option<u64> {
         Some(self.0)
@@ -131,8 +165,8 @@ pub struct OwnAbsorption;
 
 impl<K: Operator> Ending<K> for OwnAbsorption {
     #[inline]
-    fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> f64 {
-        1.0
+    fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> Survival {
+        Survival::CERTAIN
     }
     fn ends(&self) -> bool {
         false
@@ -147,7 +181,7 @@ pub struct Subcritical;
 
 impl<K: RowMass> Ending<K> for Subcritical {
     #[inline]
-    fn survival(&self, kernel: &K, x: &K::Point, _: u64, _: f64) -> f64 {
-        kernel.mass(x).min(1.0)
+    fn survival(&self, kernel: &K, x: &K::Point, _: u64, _: f64) -> Survival {
+        Survival::with_probability(kernel.mass(x).min(1.0))
     }
 }

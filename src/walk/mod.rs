@@ -15,7 +15,7 @@ mod run;
 mod scoring;
 
 pub use driver::End;
-pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical};
+pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use rounds::{Round, Rounds};
 pub use run::Checkpoint;

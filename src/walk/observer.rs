@@ -32,6 +32,11 @@ pub trait Observer<X, W: Weight> {
     fn unstated(&mut self, x: &X, y: &X, needed_by: &'static str) {
         let _ = (x, y, needed_by);
     }
+    /// The walk was asked to survive at x with a probability that is none.
+    #[inline]
+    fn survival(&mut self, x: &X, probability: f64) {
+        let _ = (x, probability);
+    }
     /// Something was scored.
     #[inline]
     fn score(&mut self, value: &W::Value) {
@@ -112,6 +117,9 @@ impl<X: Copy + Debug, W: Weight> Observer<X, W> for Recorder<X, W> {
     }
     fn unstated(&mut self, x: &X, y: &X, needed_by: &'static str) {
         self.blame(|| Error::UnstatedDensity { x: format!("{x:?}"), y: format!("{y:?}"), needed_by });
+    }
+    fn survival(&mut self, x: &X, probability: f64) {
+        self.blame(|| Error::InvalidProbability { at: format!("{x:?}"), value: probability });
     }
     fn score(&mut self, value: &W::Value) {
         if let Some(v) = self.vertices.last_mut() {

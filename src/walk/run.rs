@@ -61,6 +61,7 @@ impl<V> Checkpoint<V> {
     }
 }
 
+#[derive(Clone)]
 struct Chunk<V> {
     moments: Moments<V>,
     tail: Tail,
@@ -171,30 +172,27 @@ where
             };
             (g * group..((g + 1) * group).min(tasks)).map(one).collect::<Result<Vec<_>, Error>>()
         });
-        let mut task = 0;
-        for chunk in results {
-            for chunk in chunk? {
-                let (row, cells) = (task / chunks, &mut self.state.cells);
-                let cell = &mut cells[row / replicates];
-                cell.replicates[row % replicates].merge(&chunk.moments);
-                if let Some(tail) = &mut cell.tail {
-                    tail.merge(&chunk.tail);
-                }
+        let results = results.into_iter().collect::<Result<Vec<_>, Error>>()?.concat();
+        for (cell, results) in self.state.cells.iter_mut().zip(results.chunks(replicates * chunks)) {
+            for (task, chunk) in results.iter().enumerate() {
+                cell.replicates[task / chunks].merge(&chunk.moments);
                 cell.steps += chunk.steps;
                 cell.cut += chunk.cut;
-                task += 1;
+            }
+            if let Some(tail) = &mut cell.tail {
+                tail.merge(results.iter().map(|chunk| &chunk.tail));
             }
         }
         Ok(())
     }
 
     fn chunk(&self, cell: usize, replicate: u32, from: u64, to: u64) -> Result<Chunk<G::Value>, Error> {
-        let mut scores = Vec::with_capacity((to - from) as usize);
+        let mut scores = vec![G::Value::ZERO; (to - from) as usize];
         let (mut steps, mut cut) = (0, 0);
         let sequence = &self.walk.sequence;
         // the next walk's point is prepared while this one runs: its hash then costs no latency
         let mut next = sequence.point(cell as u64, replicate, from);
-        for index in from..to {
+        for (score, index) in scores.iter_mut().zip(from..) {
             let mut u = std::mem::replace(&mut next, sequence.point(cell as u64, replicate, index + 1));
             let outcome = one_walk(&self.walk, self.equation, self.detector, cell, &mut u, &mut ());
             steps += outcome.steps;
@@ -203,7 +201,7 @@ where
                 End::TooLong => return Err(Error::WalkTooLong { cell, walk: index, steps: outcome.steps }),
                 End::Absorbed | End::Roulette => {}
             }
-            scores.push(outcome.score);
+            *score = outcome.score;
         }
         let moments = Moments::from_scores(&scores);
         if !(moments.mean.all_finite() && moments.m4.all_finite()) {

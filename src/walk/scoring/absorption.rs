@@ -34,10 +34,11 @@ where
         &self,
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
+    ) {
         let going_on = visit.survival * (1.0 - equation.kernel().absorption(&visit.point));
-        collide(equation, visit, 1.0 / (1.0 - going_on), observer)
+        *score += collide(equation, visit, 1.0 / (1.0 - going_on), observer);
     }
 
     fn validate<E: Ending<K>>(&self, equation: &Equation<G, K>, ending: &E) -> Result<(), Error> {

@@ -33,8 +33,9 @@ where
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         _: Arrival<K::Point>,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
-        collide(equation, visit, 1.0, observer)
+    ) {
+        *score += collide(equation, visit, 1.0, observer);
     }
 }

@@ -18,7 +18,7 @@ use crate::error::Error;
 use crate::kernel::{Density, Kernel, Operator, TransitionPdf};
 use crate::sampling::Sampler;
 use crate::source::SampleSource;
-use crate::value::{Value, Weight};
+use crate::value::Weight;
 use crate::walk::{Ending, Observer};
 
 /// How two techniques share a point (theory (4.4.5)).
@@ -94,16 +94,20 @@ where
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         arrival: Arrival<K::Point>,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
+    ) {
         let share = match (arrival.density(), &arrival) {
             (Density::Known(pdf), Arrival::Step { from, .. }) => {
                 self.0.share(pdf, equation.source().pdf_for(from, &visit.point), Technique::Second)
             }
-            (Density::Unstated, _) => return unstated::<G, K, O>(visit, arrival, "multiple importance sampling", observer),
+            (Density::Unstated, _) => {
+                *score += unstated::<G, K, O>(visit, arrival, "multiple importance sampling", observer);
+                return;
+            }
             _ => 1.0,
         };
-        collide(equation, visit, share, observer)
+        *score += collide(equation, visit, share, observer);
     }
 
     #[inline]
@@ -112,12 +116,13 @@ where
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         u: &mut S,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
-        let Some(event) = equation.source().sample_for(&visit.point, u) else { return G::Value::ZERO };
+    ) {
+        let Some(event) = equation.source().sample_for(&visit.point, u) else { return };
         let pi = visit.survival * equation.kernel().pdf(&visit.point, &event.point);
         let share = self.0.share(1.0 / event.weight, pi, Technique::First);
-        connect(equation, visit, &event.point, share * event.weight, observer)
+        *score += connect(equation, visit, &event.point, share * event.weight, observer);
     }
 
     fn validate<E: Ending<K>>(&self, _: &Equation<G, K>, _: &E) -> Result<(), Error> {

@@ -71,10 +71,10 @@ pub trait Scoring<G: Source, K: Operator>: Copy + Debug + Send + Sync + 'static 
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         arrival: Arrival<K::Point>,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
-        let _ = (equation, visit, arrival, observer);
-        G::Value::ZERO
+    ) {
+        let _ = (equation, visit, arrival, score, observer);
     }
 
     /// Scored at every vertex before the survival test.
@@ -84,10 +84,10 @@ pub trait Scoring<G: Source, K: Operator>: Copy + Debug + Send + Sync + 'static 
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         u: &mut S,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
-        let _ = (equation, visit, u, observer);
-        G::Value::ZERO
+    ) {
+        let _ = (equation, visit, u, score, observer);
     }
 
     /// Scored where the walk ended.
@@ -96,10 +96,10 @@ pub trait Scoring<G: Source, K: Operator>: Copy + Debug + Send + Sync + 'static 
         &self,
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
-        let _ = (equation, visit, observer);
-        G::Value::ZERO
+    ) {
+        let _ = (equation, visit, score, observer);
     }
 
     /// Refuses combinations that would be biased.

@@ -37,12 +37,13 @@ where
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         arrival: Arrival<K::Point>,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
+    ) {
         match arrival.density() {
-            Density::Known(_) => G::Value::ZERO,
-            Density::Singular => collide(equation, visit, 1.0, observer),
-            Density::Unstated => unstated::<G, K, O>(visit, arrival, "next-event estimation", observer),
+            Density::Known(_) => {}
+            Density::Singular => *score += collide(equation, visit, 1.0, observer),
+            Density::Unstated => *score += unstated::<G, K, O>(visit, arrival, "next-event estimation", observer),
         }
     }
 
@@ -52,10 +53,12 @@ where
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
         u: &mut S,
+        score: &mut G::Value,
         observer: &mut O,
-    ) -> G::Value {
-        let Some(event) = equation.source().sample_for(&visit.point, u) else { return G::Value::ZERO };
-        connect(equation, visit, &event.point, event.weight, observer)
+    ) {
+        if let Some(event) = equation.source().sample_for(&visit.point, u) {
+            *score += connect(equation, visit, &event.point, event.weight, observer);
+        }
     }
 }
 
