@@ -16,6 +16,7 @@ use std::ops::RangeInclusive;
 pub struct Interval {
     lower: f64,
     upper: f64,
+    length: f64,
 }
 
 impl Interval {
@@ -34,21 +35,22 @@ impl Interval {
     /// b − a.
     #[inline]
     pub fn length(&self) -> f64 {
-        self.upper - self.lower
+        self.length
     }
 
     /// a + t (b − a), kept inside [a, b] against rounding.
     #[inline]
     pub(crate) fn at(&self, t: f64) -> f64 {
         // the sum can round past b by one ulp; b itself is the correctly rounded point then
-        let x = self.lower + t * self.length();
+        let x = self.lower + t * self.length;
         if x > self.upper { self.upper } else { x }
     }
 }
 
 impl From<RangeInclusive<f64>> for Interval {
     fn from(range: RangeInclusive<f64>) -> Self {
-        Interval { lower: *range.start(), upper: *range.end() }
+        let (lower, upper) = range.into_inner();
+        Interval { lower, upper, length: upper - lower }
     }
 }
 

@@ -13,6 +13,7 @@ pub use pcg::{Pcg, PcgSampler};
 pub use table::Table;
 
 use std::fmt::Debug;
+use std::ops::Range;
 
 /// What a vertex uses its random numbers for. Each purpose owns its own dimensions of the vertex's block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -68,10 +69,17 @@ impl<S: Sampler + ?Sized> Sampler for &mut S {
 /// Laws: `point` is a pure function; over `index` the points are uniform.
 pub trait Sequence: Copy + Debug + Send + Sync + 'static {
     /// The cursor type.
-    type Sampler: Sampler;
+    type Sampler: Sampler + Clone;
 
     /// Point `index` of replicate `replicate` for detector cell `cell`.
     fn point(&self, cell: u64, replicate: u32, index: u64) -> Self::Sampler;
+
+    /// The points of a range of indices: the same as [`point`](Sequence::point), for sequences that can share work between neighbours.
+    #[inline]
+    fn points(&self, cell: u64, replicate: u32, indices: Range<u64>) -> impl Iterator<Item = Self::Sampler> {
+        let sequence = *self;
+        indices.map(move |index| sequence.point(cell, replicate, index))
+    }
 
     /// The same kind with another seed: for pilots, which must not share points with the main run.
     #[must_use]

@@ -2,6 +2,8 @@
 //!
 //! Hill, *A simple general approach to inference about the tail of a distribution*, Ann. Statist. 3 (1975) 1163; theory (4.16.2), §5.2.
 
+use crate::value::Value;
+
 /// Largest scores kept.
 const KEPT: usize = 256;
 
@@ -15,10 +17,14 @@ pub struct Tail {
 }
 
 impl Tail {
-    /// The tail of one block of `count` scores, unordered, given that scores up to `threshold` cannot belong to the largest of all.
-    pub(crate) fn of_block(magnitudes: impl Iterator<Item = f64>, threshold: f64) -> Self {
-        let mut count = 0;
-        let mut largest: Vec<f64> = magnitudes.inspect(|_| count += 1).filter(|m| *m > threshold).collect();
+    /// The tail of one block of scores, unordered, given that scores up to `threshold` cannot belong to the largest of all.
+    pub(crate) fn of_block<V: Value>(scores: &[V], threshold: f64) -> Self {
+        let count = scores.len() as u64;
+        // most blocks of a long run hold no candidate: one vectorised pass finds out
+        if !scores.iter().fold(false, |any, y| any | (y.magnitude() > threshold)) {
+            return Tail { largest: Vec::new(), count };
+        }
+        let mut largest: Vec<f64> = scores.iter().map(Value::magnitude).filter(|m| *m > threshold).collect();
         if largest.len() > KEPT {
             largest.select_nth_unstable_by(KEPT - 1, |a, b| b.total_cmp(a));
             largest.truncate(KEPT);

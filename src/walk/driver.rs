@@ -9,7 +9,7 @@
 //!        X_{n+1} from the kernel's step, W_{n+1} = W_n (K/π)/P
 //! ```
 
-use super::ending::Ending;
+use super::ending::{Ending, Survival};
 use super::observer::Observer;
 use super::scoring::{Arrival, Scoring, Visit};
 use crate::detector::Start;
@@ -73,7 +73,7 @@ where
             scoring.vertex(equation, &visit, u, &mut score, observer);
         }
         let mut weight = visit.weight;
-        if visit.survival != 1.0 {
+        if let Survival::Chance { reciprocal, .. } = survival {
             u.seek(depth, Purpose::Survival);
             // `!(<)`: a NaN probability must end the walk, not prolong it
             if !(u.next_1d() < visit.survival) {
@@ -84,7 +84,7 @@ where
                 }
                 break if depth >= cut { End::Cut } else { End::Roulette };
             }
-            weight = weight.scaled(survival.reciprocal());
+            weight = weight.scaled(reciprocal);
         }
         if depth == max_steps {
             break End::TooLong;

@@ -7,36 +7,36 @@ use crate::error::Error;
 use crate::kernel::{Operator, RowMass};
 use std::fmt::Debug;
 
-/// A survival probability P with its reciprocal, by which the weight of survivors is multiplied.
+/// Whether a walk goes on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Survival {
-    probability: f64,
-    reciprocal: f64,
+pub enum Survival {
+    /// P = 1; no random number is spent.
+    Certain,
+    /// P = `probability` ∈ [0, 1]; the weight of survivors is multiplied by `reciprocal` = 1/P.
+    Chance {
+        /// P.
+        probability: f64,
+        /// 1/P.
+        reciprocal: f64,
+    },
 }
 
 impl Survival {
-    /// P = 1.
-    pub const CERTAIN: Survival = Survival { probability: 1.0, reciprocal: 1.0 };
-
     /// Survival with probability `p` ∈ [0, 1].
     #[inline]
     #[must_use]
     pub fn with_probability(p: f64) -> Self {
-        Survival { probability: p, reciprocal: 1.0 / p }
+        Survival::Chance { probability: p, reciprocal: 1.0 / p }
     }
 
     /// P.
     #[inline]
     #[must_use]
     pub fn probability(&self) -> f64 {
-        self.probability
-    }
-
-    /// 1/P.
-    #[inline]
-    #[must_use]
-    pub fn reciprocal(&self) -> f64 {
-        self.reciprocal
+        match self {
+            Survival::Certain => 1.0,
+            Survival::Chance { probability, .. } => *probability,
+        }
     }
 }
 
@@ -117,12 +117,12 @@ impl<K: Operator> Ending<K> for Roulette {
     #[inline]
     fn survival(&self, _: &K, _: &K::Point, depth: u64, throughput: f64) -> Survival {
         if depth < self.after {
-            return Survival::CERTAIN;
+            return Survival::Certain;
         }
         match self.rule {
             Rule::Constant(p) => Survival::with_probability(p),
-            Rule::Throughput(reference) if throughput >= reference => Survival::CERTAIN,
-            Rule::Throughput(reference) => Survival { probability: throughput / reference, reciprocal: reference / throughput },
+            Rule::Throughput(reference) if throughput >= reference => Survival::Certain,
+            Rule::Throughput(reference) => Survival::Chance { probability: throughput / reference, reciprocal: reference / throughput },
         }
     }
 
@@ -152,7 +152,7 @@ pub struct FixedDepth(pub u64);
 impl<K: Operator> Ending<K> for FixedDepth {
     #[inline]
     fn survival(&self, _: &K, _: &K::Point, depth: u64, _: f64) -> Survival {
-        if depth < self.0 { Survival::CERTAIN } else { Survival::with_probability(0.0) }
+        if depth < self.0 { Survival::Certain } else { Survival::with_probability(0.0) }
     }
     fn cut(&self) -> Option<u64> {
         Some(self.0)
@@ -166,7 +166,7 @@ pub struct OwnAbsorption;
 impl<K: Operator> Ending<K> for OwnAbsorption {
     #[inline]
     fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> Survival {
-        Survival::CERTAIN
+        Survival::Certain
     }
     fn ends(&self) -> bool {
         false

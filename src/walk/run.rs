@@ -189,18 +189,16 @@ where
     fn chunk(&self, cell: usize, replicate: u32, from: u64, to: u64) -> Result<Chunk<G::Value>, Error> {
         let mut scores = vec![G::Value::ZERO; (to - from) as usize];
         let (mut steps, mut cut) = (0, 0);
-        let sequence = &self.walk.sequence;
-        // the next walk's point is prepared while this one runs: its hash then costs no latency
-        let mut next = sequence.point(cell as u64, replicate, from);
-        for (score, index) in scores.iter_mut().zip(from..) {
-            let mut u = std::mem::replace(&mut next, sequence.point(cell as u64, replicate, index + 1));
-            let outcome = one_walk(&self.walk, self.equation, self.detector, cell, &mut u, &mut ());
-            steps += outcome.steps;
+        // all points first: a tight loop that leaves the walks their registers
+        let points: Vec<_> = self.walk.sequence.points(cell as u64, replicate, from..to).collect();
+        for (i, (score, point)) in scores.iter_mut().zip(&points).enumerate() {
+            let outcome = one_walk(&self.walk, self.equation, self.detector, cell, &mut point.clone(), &mut ());
             match outcome.end {
                 End::Cut => cut += 1,
-                End::TooLong => return Err(Error::WalkTooLong { cell, walk: index, steps: outcome.steps }),
+                End::TooLong => return Err(Error::WalkTooLong { cell, walk: from + i as u64, steps: outcome.steps }),
                 End::Absorbed | End::Roulette => {}
             }
+            steps += outcome.steps;
             *score = outcome.score;
         }
         let moments = Moments::from_scores(&scores);
@@ -208,7 +206,7 @@ where
             self.explain(cell, replicate, from, &scores)?;
         }
         let tail = match &self.state.cells[cell].tail {
-            Some(tail) => Tail::of_block(scores.iter().map(Value::magnitude), tail.threshold()),
+            Some(tail) => Tail::of_block(&scores, tail.threshold()),
             None => Tail::default(),
         };
         Ok(Chunk { moments, tail, steps, cut })
