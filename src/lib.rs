@@ -68,6 +68,7 @@ pub mod kernel;
 mod parallel;
 pub mod sampling;
 pub mod source;
+pub mod special;
 pub mod statistics;
 mod value;
 pub mod walk;
