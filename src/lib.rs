@@ -64,6 +64,8 @@ pub mod deterministic;
 pub mod domain;
 mod equation;
 mod error;
+#[cfg(feature = "formula")]
+pub mod formula;
 pub mod kernel;
 mod parallel;
 pub mod sampling;
