@@ -20,11 +20,13 @@ mod closure;
 mod proposal;
 mod series;
 mod step;
+mod tabulated;
 
 pub use closure::{KernelFn, kernel_fn};
-pub use proposal::{Proposal, Proposed, Tabulated, Uniform};
+pub use proposal::{Proposal, Proposed, Uniform};
 pub use series::{Discretised, Radius, Series};
 pub use step::{Density, Step};
+pub use tabulated::Tabulated;
 
 use crate::domain::{Domain, Point};
 use crate::error::Error;

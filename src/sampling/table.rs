@@ -77,6 +77,18 @@ impl Table {
         self.pdf[((x * n as f64) as usize).min(n - 1)]
     }
 
+    /// Probability of cell `i`.
+    ///
+    /// ```
+    /// # let t = fredholm::sampling::Table::new(&[1.0, 0.0, 3.0]).unwrap();
+    /// assert_eq!(t.probability(2), 0.75);
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn probability(&self, i: usize) -> f64 {
+        self.cdf[i + 1] - self.cdf[i]
+    }
+
     /// Sum of the weights given.
     #[must_use]
     pub fn total(&self) -> f64 {
