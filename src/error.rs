@@ -139,6 +139,20 @@ pub enum Error {
         /// In the method.
         now: String,
     },
+    /// A number that cannot be drawn.
+    #[error("cannot plot {series:?}: {quantity} at {at} is {value}: {requirement}")]
+    Unplottable {
+        /// Label of the series.
+        series: String,
+        /// What the number is.
+        quantity: &'static str,
+        /// Where: the number of the point in its series, from 0, or its x.
+        at: String,
+        /// The number.
+        value: f64,
+        /// What can be drawn.
+        requirement: &'static str,
+    },
     /// Text that is not an equation this crate can state.
     #[error("cannot state the equation: {0}")]
     Formula(String),

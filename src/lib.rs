@@ -68,6 +68,8 @@ mod error;
 pub mod formula;
 pub mod kernel;
 mod parallel;
+#[cfg(feature = "plot")]
+pub mod plot;
 pub mod sampling;
 pub mod source;
 pub mod special;

@@ -1,0 +1,165 @@
+//! Error against cost.
+
+use super::axis::Axis;
+use super::drawing::Drawing;
+use super::panel::{self, Below, Entry, Frame, Panel};
+use super::style::{DASHED, GREY, Look, Marker, look};
+use super::{check, some};
+use crate::error::Error;
+use std::path::Path;
+
+const WIDTH: f64 = 520.0;
+const HEIGHT: f64 = 400.0;
+
+/// Error against cost on log-log axes, with the slope −1/2 of independent samples for reference.
+///
+/// An error of exactly 0 has no logarithm: such points are drawn as ▽ on the lower edge, and the legend says so.
+///
+/// ```
+/// # fn main() -> Result<(), fredholm::Error> {
+/// use fredholm::plot::Convergence;
+/// let svg = Convergence::against_time("f(½), seed 7").series("mis", [(1e-3, 2e-2), (1e-2, 5e-3), (1e-1, 2e-3)]).to_svg()?;
+/// assert!(svg.contains("slope −1/2") && svg.contains("10⁻³"));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+#[must_use]
+pub struct Convergence {
+    title: String,
+    subtitle: String,
+    cost: String,
+    error: String,
+    series: Vec<(String, Vec<(f64, f64)>)>,
+}
+
+impl Convergence {
+    /// The cost is a number of walks.
+    pub fn against_samples(title: &str) -> Self {
+        Convergence::against(title, "walks N")
+    }
+
+    /// The cost is wall time in seconds.
+    pub fn against_time(title: &str) -> Self {
+        Convergence::against(title, "wall time / s")
+    }
+
+    /// Any cost, by its name.
+    pub fn against(title: &str, cost: &str) -> Self {
+        Convergence { title: title.into(), subtitle: String::new(), cost: cost.into(), error: "error".into(), series: Vec::new() }
+    }
+
+    /// A smaller line below the title.
+    pub fn subtitle(self, subtitle: &str) -> Self {
+        Convergence { subtitle: subtitle.into(), ..self }
+    }
+
+    /// What the errors are, for the y-axis.
+    pub fn error_label(self, label: &str) -> Self {
+        Convergence { error: label.into(), ..self }
+    }
+
+    /// Pairs (cost, error) of one method.
+    pub fn series(mut self, label: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.series.push((label.into(), points.into_iter().collect()));
+        self
+    }
+
+    /// Writes the picture; the extension `.svg` or `.png` chooses the format, missing folders are made.
+    ///
+    /// # Errors
+    /// [`Error::Unplottable`] for a cost that is not positive or an error that is negative, NaN or infinite; [`Error::Invalid`] if there is no
+    /// positive error at all; [`Error::Io`] with the path.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        self.draw()?.save(path.as_ref())
+    }
+
+    /// The picture as SVG text.
+    ///
+    /// # Errors
+    /// As [`save`](Self::save).
+    pub fn to_svg(&self) -> Result<String, Error> {
+        self.draw()?.to_svg()
+    }
+
+    /// The picture as the bytes of a PNG file, two dots a pixel.
+    ///
+    /// # Errors
+    /// As [`save`](Self::save).
+    pub fn to_png(&self) -> Result<Vec<u8>, Error> {
+        self.draw()?.to_png()
+    }
+
+    fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.series.iter().flat_map(|(_, points)| points.iter().copied())
+    }
+
+    fn validate(&self) -> Result<(), Error> {
+        some("series", self.series.len())?;
+        for (label, points) in &self.series {
+            some("points of a series", points.len())?;
+            check(label, "cost", "must be positive and finite", points.iter().map(|p| p.0), |c| c > 0.0)?;
+            check(label, "error", "must be finite and not negative", points.iter().map(|p| p.1), |e| e >= 0.0)?;
+        }
+        if self.points().all(|(_, e)| e == 0.0) {
+            return Err(Error::invalid("largest error", 0.0, "a log scale needs at least one positive error"));
+        }
+        Ok(())
+    }
+
+    fn draw(&self) -> Result<Drawing, Error> {
+        self.validate()?;
+        // the reference line lies above all data, close to the nearest point
+        let constant = 1.6 * self.points().map(|(c, e)| e * c.sqrt()).fold(0.0, f64::max);
+        let x = Axis::log(&self.cost, self.points().map(|p| p.0), 0.12);
+        let least = self.points().map(|p| p.0).fold(f64::INFINITY, f64::min);
+        let errors = self.points().map(|p| p.1).filter(|e| *e > 0.0);
+        let y = Axis::log(&self.error, errors.chain([constant / least.sqrt()]), 0.15);
+        let legend = self.legend();
+        let left = Panel::room_left(&y, HEIGHT) + 8.0;
+        let frame = Frame { left, top: 58.0, width: WIDTH, height: HEIGHT };
+        let beside = left + WIDTH + panel::legend_width(&legend) + 16.0;
+        let mut drawing = Drawing::new(panel::page_width(beside, frame, &self.title, &self.subtitle), frame.top + HEIGHT + 52.0);
+        let panel = Panel { frame, x, y };
+        panel.grid(&mut drawing);
+        reference(&panel, constant, &mut drawing);
+        for (i, (_, points)) in self.series.iter().enumerate() {
+            curve(&panel, points, look(i), &mut drawing);
+        }
+        panel.axes(&mut drawing, Below::Labels);
+        panel::legend(&mut drawing, frame, &legend);
+        panel::title(&mut drawing, frame, &self.title, &self.subtitle);
+        Ok(drawing)
+    }
+
+    fn legend(&self) -> Vec<Entry> {
+        let mut entries: Vec<_> = self.series.iter().enumerate().map(|(i, (label, _))| Entry::series(label, look(i))).collect();
+        entries.push(Entry { label: "slope −1/2".into(), colour: GREY, line: Some(DASHED), marker: None });
+        if self.points().any(|(_, e)| e == 0.0) {
+            entries.push(Entry { label: "error exactly 0".into(), colour: GREY, line: None, marker: Some(Marker::Fallen) });
+        }
+        entries
+    }
+}
+
+/// error = constant/√cost, cut where it leaves the frame.
+fn reference(panel: &Panel, constant: f64, drawing: &mut Drawing) {
+    let ((x0, x1), (y0, y1)) = (panel.x.ends(), panel.y.ends());
+    let from = x0.max((constant / y1).powi(2));
+    let to = x1.min((constant / y0).powi(2));
+    drawing.line(&[from, to].map(|c| panel.place(c, constant / c.sqrt())), GREY, 1.4, DASHED);
+}
+
+fn curve(panel: &Panel, points: &[(f64, f64)], look: Look, drawing: &mut Drawing) {
+    // a zero breaks the line: there is nothing between it and its neighbours
+    for run in points.split(|p| p.1 == 0.0).filter(|run| !run.is_empty()) {
+        let places: Vec<_> = run.iter().map(|p| panel.place(p.0, p.1)).collect();
+        drawing.line(&places, look.colour, 1.8, look.dash);
+        places.iter().for_each(|p| drawing.marker(look.marker, *p, 4.2, look.colour));
+    }
+    let edge = panel.frame.top + panel.frame.height - 8.0;
+    for (cost, _) in points.iter().filter(|p| p.1 == 0.0) {
+        let column = panel.place(*cost, panel.y.ends().0).0;
+        drawing.marker(Marker::Fallen, (column, edge), 4.6, look.colour);
+    }
+}
