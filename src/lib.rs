@@ -74,6 +74,7 @@ pub mod sampling;
 pub mod source;
 pub mod special;
 pub mod statistics;
+pub mod transport;
 mod value;
 pub mod walk;
 

@@ -42,6 +42,34 @@ pub trait SampleSource: Source {
     fn pdf_for(&self, x: &Self::Point, y: &Self::Point) -> f64;
 }
 
+/// Where a forward (adjoint) walk starts, with its weight g/q₀.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Birth<X, V> {
+    /// X₀ ~ q₀.
+    pub point: X,
+    /// g(X₀)/q₀(X₀).
+    pub weight: V,
+}
+
+/// Starts forward walks.
+///
+/// Law: `E[weight · φ(point)] = ∫ g φ dμ` for every φ.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` cannot start a forward walk",
+    note = "forward walks begin at a point of the source: implement `Emit`, or use `source_fn(domain, g)`"
+)]
+pub trait Emit: Source {
+    /// A birth.
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::Point, Self::Value>;
+}
+
+impl<T: Emit> Emit for &T {
+    #[inline]
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::Point, Self::Value> {
+        (**self).emit(u)
+    }
+}
+
 impl<T: Source + ?Sized> Source for &T {
     type Point = T::Point;
     type Value = T::Value;
@@ -144,6 +172,21 @@ where
     #[inline]
     fn pdf_for(&self, x: &D::Point, y: &D::Point) -> f64 {
         self.density.pdf(x, y)
+    }
+}
+
+/// Births by the domain's own density.
+impl<D, F, V, Q> Emit for SourceFn<D, F, V, Q>
+where
+    D: Domain,
+    V: Value,
+    F: Fn(&D::Point) -> V + Send + Sync,
+    Q: Send + Sync,
+{
+    #[inline]
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<D::Point, V> {
+        let n = self.domain.sample(u);
+        Birth { point: n.point, weight: (self.function)(&n.point).scale(n.weight) }
     }
 }
 

@@ -83,7 +83,8 @@ impl<X: Point> Discretised<X> {
 /// Most unknowns of the coarse discretisation.
 const UNKNOWNS: usize = 96;
 
-pub(super) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
+/// Σ |T|ⁿ of any kernel that can be evaluated on a domain: what [`Operator::series`](super::Operator::series) of such a kernel returns.
+pub(crate) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
     kernel.domain().validate()?;
     let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let budget = (UNKNOWNS / components / kernel.domain().states()).max(12);

@@ -101,6 +101,10 @@ where
             (Density::Known(pdf), Arrival::Step { from, .. }) => {
                 self.0.share(pdf, equation.source().pdf_for(from, &visit.point), Technique::Second)
             }
+            (Density::Deferred(survival), Arrival::Step { from, .. }) => {
+                let pdf = survival * equation.kernel().pdf(from, &visit.point);
+                self.0.share(pdf, equation.source().pdf_for(from, &visit.point), Technique::Second)
+            }
             (Density::Unstated, _) => {
                 *score += unstated::<G, K, O>(visit, arrival, "multiple importance sampling", observer);
                 return;

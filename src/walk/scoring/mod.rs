@@ -39,7 +39,7 @@ pub enum Arrival<X> {
     Step {
         /// X_{n−1}.
         from: X,
-        /// NaN if unstated, infinite if singular.
+        /// NaN if unstated, infinite if singular, −P if deferred.
         pdf: f64,
     },
 }
@@ -50,9 +50,7 @@ impl<X> Arrival<X> {
     pub fn density(&self) -> Density {
         match self {
             Arrival::Start => Density::Singular,
-            Arrival::Step { pdf, .. } if pdf.is_nan() => Density::Unstated,
-            Arrival::Step { pdf, .. } if *pdf == f64::INFINITY => Density::Singular,
-            Arrival::Step { pdf, .. } => Density::Known(*pdf),
+            Arrival::Step { pdf, .. } => Density::decode(*pdf),
         }
     }
 }

@@ -41,7 +41,7 @@ where
         observer: &mut O,
     ) {
         match arrival.density() {
-            Density::Known(_) => {}
+            Density::Known(_) | Density::Deferred(_) => {}
             Density::Singular => *score += collide(equation, visit, 1.0, observer),
             Density::Unstated => *score += unstated::<G, K, O>(visit, arrival, "next-event estimation", observer),
         }
