@@ -41,9 +41,9 @@ pub enum Series<X> {
 /// |T| on coarse nodes.
 #[derive(Clone, Debug)]
 pub struct Discretised<X> {
-    nodes: Vec<Node<X>>,
-    /// |K| in absolute components: block (i, j) is |K(x_i, y_j)| w_j
-    matrix: DMatrix<f64>,
+    fine: Coarse<X>,
+    /// half as many nodes: the difference is the uncertainty
+    coarse: Coarse<X>,
     radius: Radius,
     mass: f64,
 }
@@ -59,25 +59,32 @@ impl<X: Point> Discretised<X> {
         self.mass
     }
 
-    /// sup over the nodes of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)); `None` if the series diverges.
+    /// sup over the nodes of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)), enlarged by its change from half as many
+    /// nodes; `None` if the series diverges.
     pub fn truncation_bound<V: Value>(&self, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
         if self.radius.value >= 1.0 {
             return None;
         }
-        let source = DVector::from_iterator(
-            self.matrix.nrows(),
-            self.nodes.iter().flat_map(|n| {
-                let v = g(&n.point);
-                (0..V::COMPONENTS).map(move |i| v.component(i).abs())
-            }),
-        );
-        let identity = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
-        let mut rest = (identity - &self.matrix).lu().solve(&source)?;
-        for _ in 0..=depth.min(100_000) {
-            rest = &self.matrix * rest;
-        }
-        Some(rest.amax())
+        let (fine, coarse) = (remainder(&self.fine, depth, &g)?, remainder(&self.coarse, depth, &g)?);
+        Some(fine + (fine - coarse).abs())
     }
+}
+
+/// sup Σ_{n > depth} |T|ⁿ |g| of one discretisation.
+fn remainder<X, V: Value>((nodes, matrix): &Coarse<X>, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
+    let source = DVector::from_iterator(
+        matrix.nrows(),
+        nodes.iter().flat_map(|n| {
+            let v = g(&n.point);
+            (0..V::COMPONENTS).map(move |i| v.component(i).abs())
+        }),
+    );
+    let identity = DMatrix::identity(matrix.nrows(), matrix.nrows());
+    let mut rest = (identity - matrix).lu().solve(&source)?;
+    for _ in 0..=depth.min(100_000) {
+        rest = matrix * rest;
+    }
+    Some(rest.amax())
 }
 
 /// Most unknowns of the coarse discretisation.
@@ -88,14 +95,15 @@ pub(crate) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::P
     kernel.domain().validate()?;
     let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let budget = (UNKNOWNS / components / kernel.domain().states()).max(12);
-    let (nodes, matrix) = discretise(kernel, budget, 0)?;
-    let (_, coarse) = discretise(kernel, budget / 2, 1)?;
-    let (value, other) = (spectral_radius(&matrix), spectral_radius(&coarse));
-    let mass = matrix.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
+    let fine = discretise(kernel, budget, 0)?;
+    let coarse = discretise(kernel, budget / 2, 1)?;
+    let (value, other) = (spectral_radius(&fine.1), spectral_radius(&coarse.1));
+    let mass = fine.1.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
     let radius = Radius { value, uncertainty: (value - other).abs() + 1e-12 * value };
-    Ok(Series::Known(Arc::new(Discretised { nodes, matrix, radius, mass })))
+    Ok(Series::Known(Arc::new(Discretised { fine, coarse, radius, mass })))
 }
 
+/// Nodes, and |K| in absolute components: block (i, j) of the matrix is |K(x_i, y_j)| w_j.
 type Coarse<X> = (Vec<Node<X>>, DMatrix<f64>);
 
 fn discretise<K: Kernel + HasDomain>(kernel: &K, budget: usize, replicate: u32) -> Result<Coarse<K::Point>, Error> {
