@@ -70,6 +70,18 @@ pub enum Error {
         /// The probability.
         value: f64,
     },
+    /// A detector started a walk with a weight that is NaN or infinite.
+    #[error("detector cell {cell} starts walk {walk} at {at} with weight {weight}")]
+    NonFiniteStart {
+        /// Detector cell.
+        cell: usize,
+        /// Index of the walk in the cell.
+        walk: u64,
+        /// X₀.
+        at: String,
+        /// h(X₀)/p₀(X₀).
+        weight: String,
+    },
     /// A walk did not end.
     #[error("walk {walk} of cell {cell} was still alive after {steps} steps; give it an ending (roulette, fixed depth) or raise max_steps")]
     WalkTooLong {

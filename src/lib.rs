@@ -59,6 +59,7 @@
 //! `value` → [`kernel`] → `walk/scoring/collision.rs` → `walk/driver.rs` → [`deterministic`] → [`transport`]: about 700 lines to the whole idea.
 //! «theory (4.2.1)» in comments numbers the formulas; each file that uses one states it.
 
+pub mod check;
 pub mod detector;
 pub mod deterministic;
 pub mod domain;

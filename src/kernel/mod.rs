@@ -78,6 +78,11 @@ pub trait Kernel: Operator {
 pub trait Transition: Operator {
     /// One step from x, or `None` if the walk is absorbed.
     fn step<S: Sampler>(&self, x: &Self::Point, u: &mut S) -> Option<Step<Self::Point, Self::Weight>>;
+
+    /// True for kernels that never absorb anywhere: walks then need an ending of the method.
+    fn never_absorbs(&self) -> bool {
+        false
+    }
 }
 
 /// The density of a step.
@@ -100,11 +105,6 @@ pub trait TransitionPdf: Transition {
 pub trait Absorbing: Transition {
     /// P(step(x) = None); must be positive where g ≠ 0 unless the method adds a roulette.
     fn absorption(&self, x: &Self::Point) -> f64;
-
-    /// True for kernels that are never absorbed anywhere: walks then need an ending of the method.
-    fn never_absorbs(&self) -> bool {
-        false
-    }
 }
 
 /// The mass of a row of |K|.
@@ -152,6 +152,9 @@ impl<T: Transition> Transition for &T {
     fn step<S: Sampler>(&self, x: &Self::Point, u: &mut S) -> Option<Step<Self::Point, Self::Weight>> {
         (**self).step(x, u)
     }
+    fn never_absorbs(&self) -> bool {
+        (**self).never_absorbs()
+    }
 }
 
 impl<T: TransitionPdf> TransitionPdf for &T {
@@ -165,9 +168,6 @@ impl<T: Absorbing> Absorbing for &T {
     #[inline]
     fn absorption(&self, x: &Self::Point) -> f64 {
         (**self).absorption(x)
-    }
-    fn never_absorbs(&self) -> bool {
-        (**self).never_absorbs()
     }
 }
 

@@ -118,6 +118,9 @@ impl<K: Kernel + HasDomain, P: Proposal<K::Point>> Transition for Proposed<K, P>
         let y = self.proposal.sample(x, u);
         Some(Step::with_pdf(y.point, self.kernel.eval(x, &y.point).scaled(y.weight), 1.0 / y.weight))
     }
+    fn never_absorbs(&self) -> bool {
+        true
+    }
 }
 
 impl<K: Kernel + HasDomain, P: Proposal<K::Point>> TransitionPdf for Proposed<K, P> {
@@ -130,8 +133,5 @@ impl<K: Kernel + HasDomain, P: Proposal<K::Point>> TransitionPdf for Proposed<K,
 impl<K: Kernel + HasDomain, P: Proposal<K::Point>> Absorbing for Proposed<K, P> {
     fn absorption(&self, _: &K::Point) -> f64 {
         0.0
-    }
-    fn never_absorbs(&self) -> bool {
-        true
     }
 }

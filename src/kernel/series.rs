@@ -41,9 +41,11 @@ pub enum Series<X> {
 /// |T| on coarse nodes.
 #[derive(Clone, Debug)]
 pub struct Discretised<X> {
-    fine: Coarse<X>,
-    /// half as many nodes: the difference is the uncertainty
-    coarse: Coarse<X>,
+    nodes: Vec<Node<X>>,
+    /// |K| in absolute components: block (i, j) is |K(x_i, y_j)| w_j
+    matrix: DMatrix<f64>,
+    /// rows of further places, the ends of the domain among them: a supremum over the nodes alone would miss them
+    probes: DMatrix<f64>,
     radius: Radius,
     mass: f64,
 }
@@ -59,32 +61,30 @@ impl<X: Point> Discretised<X> {
         self.mass
     }
 
-    /// sup over the nodes of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)), enlarged by its change from half as many
-    /// nodes; `None` if the series diverges.
+    /// sup over nodes, ends and further places of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)), widened by the
+    /// numerical uncertainty of the radius; `None` if the series diverges.
     pub fn truncation_bound<V: Value>(&self, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
         if self.radius.value >= 1.0 {
             return None;
         }
-        let (fine, coarse) = (remainder(&self.fine, depth, &g)?, remainder(&self.coarse, depth, &g)?);
-        Some(fine + (fine - coarse).abs())
+        let source = DVector::from_iterator(
+            self.matrix.nrows(),
+            self.nodes.iter().flat_map(|n| {
+                let v = g(&n.point);
+                (0..V::COMPONENTS).map(move |i| v.component(i).abs())
+            }),
+        );
+        let identity = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
+        let mut rest = (identity - &self.matrix).lu().solve(&source)?;
+        let depth = depth.min(100_000);
+        for _ in 0..depth {
+            rest = &self.matrix * rest;
+        }
+        let supremum = (&self.matrix * &rest).amax().max((&self.probes * &rest).amax());
+        let Radius { value, uncertainty } = self.radius;
+        let widened = if value > 0.0 { 1.0 + (depth + 1) as f64 * uncertainty / value } else { 1.0 };
+        Some(supremum * widened).filter(|b| b.is_finite())
     }
-}
-
-/// sup Σ_{n > depth} |T|ⁿ |g| of one discretisation.
-fn remainder<X, V: Value>((nodes, matrix): &Coarse<X>, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
-    let source = DVector::from_iterator(
-        matrix.nrows(),
-        nodes.iter().flat_map(|n| {
-            let v = g(&n.point);
-            (0..V::COMPONENTS).map(move |i| v.component(i).abs())
-        }),
-    );
-    let identity = DMatrix::identity(matrix.nrows(), matrix.nrows());
-    let mut rest = (identity - matrix).lu().solve(&source)?;
-    for _ in 0..=depth.min(100_000) {
-        rest = matrix * rest;
-    }
-    Some(rest.amax())
 }
 
 /// Most unknowns of the coarse discretisation.
@@ -94,16 +94,55 @@ const UNKNOWNS: usize = 96;
 pub(crate) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
     kernel.domain().validate()?;
     let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
-    let budget = (UNKNOWNS / components / kernel.domain().states()).max(12);
-    let fine = discretise(kernel, budget, 0)?;
-    let coarse = discretise(kernel, budget / 2, 1)?;
-    let (value, other) = (spectral_radius(&fine.1), spectral_radius(&coarse.1));
-    let mass = fine.1.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
+    let budget = (UNKNOWNS / components.max(1) / kernel.domain().states()).max(12);
+    let (nodes, matrix) = discretise(kernel, budget, 0)?;
+    let (_, coarse) = discretise(kernel, budget / 2, 1)?;
+    let (value, other) = (spectral_radius(&matrix), spectral_radius(&coarse));
+    let mass = matrix.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
     let radius = Radius { value, uncertainty: (value - other).abs() + 1e-12 * value };
-    Ok(Series::Known(Arc::new(Discretised { fine, coarse, radius, mass })))
+    let probes = probe(kernel, &nodes);
+    Ok(Series::Known(Arc::new(Discretised { nodes, matrix, probes, radius, mass })))
 }
 
-/// Nodes, and |K| in absolute components: block (i, j) of the matrix is |K(x_i, y_j)| w_j.
+/// Rows of |T| at places that are no nodes: next to the ends of every state and between, with the row mass as in the matrix.
+fn probe<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>]) -> DMatrix<f64> {
+    const PLACES: usize = 17;
+    const END: f64 = 1e-9;
+    let domain = kernel.domain();
+    let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
+    let mut rows = DMatrix::zeros(c * PLACES * domain.states(), c * nodes.len());
+    for i in 0..PLACES * domain.states() {
+        let (step, mut axis) = (i % PLACES, 0);
+        let x = domain.place(i / PLACES, || {
+            axis += 1;
+            // corners first where there are several coordinates
+            let t = if domain.dimension() == 1 { step as f64 / (PLACES - 1) as f64 } else { (step >> ((axis - 1) % 4) & 1) as f64 };
+            t.clamp(END, 1.0 - END)
+        });
+        let x = x.point;
+        let entry = |k: K::Weight, a, b| Some(k.entry(a, b).abs()).filter(|k| k.is_finite()).unwrap_or(0.0);
+        for (j, y) in nodes.iter().enumerate() {
+            let k = kernel.eval(&x, &y.point);
+            (0..c * c).for_each(|e| rows[(c * i + e / c, c * j + e % c)] = entry(k, e / c, e % c) * y.weight);
+        }
+        if domain.dimension() > 1 {
+            continue;
+        }
+        let per_state = nodes.len() / domain.states();
+        for state in 0..domain.states() {
+            let block = state * per_state..(state + 1) * per_state;
+            let distance = |j: &usize| (domain.coordinate(&nodes[*j].point, 0) - domain.coordinate(&x, 0)).abs();
+            let Some(near) = block.clone().min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
+            // where the graded rule meets a kernel that is not finite, the nodes' own values stand
+            for (e, exact) in graded_mass(kernel, &x, state).unwrap_or_default().iter().enumerate() {
+                let seen: f64 = block.clone().map(|j| rows[(c * i + e / c, c * j + e % c)]).sum();
+                rows[(c * i + e / c, c * near + e % c)] += (exact - seen).max(0.0);
+            }
+        }
+    }
+    rows
+}
+
 type Coarse<X> = (Vec<Node<X>>, DMatrix<f64>);
 
 fn discretise<K: Kernel + HasDomain>(kernel: &K, budget: usize, replicate: u32) -> Result<Coarse<K::Point>, Error> {
@@ -151,35 +190,11 @@ fn same_place<D: Domain>(domain: &D, x: &D::Point, y: &D::Point) -> bool {
 fn keep_row_mass<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>], i: usize, matrix: &mut DMatrix<f64>) -> Result<(), Error> {
     let domain = kernel.domain();
     let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
-    let x = nodes[i].point;
-    let t = domain.coordinate(&x, 0);
     let per_state = nodes.len() / domain.states();
-    let rule = unit_rule(6);
     for state in 0..domain.states() {
-        let mut exact = vec![0.0; c * c];
-        for (end, span) in [(-1.0, t), (1.0, 1.0 - t)] {
-            let mut outer = span;
-            for level in 0..26 {
-                let inner = if level == 25 { 0.0 } else { outer * 0.4 };
-                for n in rule.iter() {
-                    let r = inner + (outer - inner) * n.point;
-                    let y = domain.place(state, || (t + end * r).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON));
-                    let k = kernel.eval(&x, &y.point);
-                    if !k.entries_finite() {
-                        if same_place(domain, &x, &y.point) {
-                            continue; // r below the spacing of floating-point numbers at x
-                        }
-                        return Err(Error::non_finite_kernel(&x, &y.point, &k));
-                    }
-                    let w = n.weight * (outer - inner) * y.weight;
-                    exact.iter_mut().enumerate().for_each(|(e, s)| *s += w * k.entry(e / c, e % c).abs());
-                }
-                outer = inner;
-            }
-        }
         // the node of this state at the same place as x_i
         let j = state * per_state + i % per_state;
-        for (e, exact) in exact.iter().enumerate() {
+        for (e, exact) in graded_mass(kernel, &nodes[i].point, state)?.iter().enumerate() {
             let (row, column) = (c * i + e / c, c * j + e % c);
             let others: f64 = (state * per_state..(state + 1) * per_state).filter(|&l| l != j).map(|l| matrix[(row, c * l + e % c)]).sum();
             // a coarse rule can overshoot a narrow peak; a negative entry would leave the cone of |T|
@@ -187,6 +202,36 @@ fn keep_row_mass<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>], i:
         }
     }
     Ok(())
+}
+
+/// ∫ |K(x, y)| dμ(y) over one state, entry by entry, by a rule graded towards y = x.
+fn graded_mass<K: Kernel + HasDomain>(kernel: &K, x: &K::Point, state: usize) -> Result<Vec<f64>, Error> {
+    let domain = kernel.domain();
+    let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
+    let t = domain.coordinate(x, 0);
+    let rule = unit_rule(6);
+    let mut exact = vec![0.0; c * c];
+    for (end, span) in [(-1.0, t), (1.0, 1.0 - t)] {
+        let mut outer = span;
+        for level in 0..26 {
+            let inner = if level == 25 { 0.0 } else { outer * 0.4 };
+            for n in rule.iter() {
+                let r = inner + (outer - inner) * n.point;
+                let y = domain.place(state, || (t + end * r).clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON));
+                let k = kernel.eval(x, &y.point);
+                if !k.entries_finite() {
+                    if same_place(domain, x, &y.point) {
+                        continue; // r below the spacing of floating-point numbers at x
+                    }
+                    return Err(Error::non_finite_kernel(x, &y.point, &k));
+                }
+                let w = n.weight * (outer - inner) * y.weight;
+                exact.iter_mut().enumerate().for_each(|(e, s)| *s += w * k.entry(e / c, e % c).abs());
+            }
+            outer = inner;
+        }
+    }
+    Ok(exact)
 }
 
 /// Spectral radius of a non-negative matrix: power iteration with Collatz–Wielandt bounds, else Gelfand's formula by repeated squaring.

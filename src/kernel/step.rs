@@ -57,7 +57,8 @@ impl<X: Copy, W: Copy> Step<X, W> {
     /// A step of density `pdf` = π(x, point) > 0.
     #[inline]
     pub fn with_pdf(point: X, weight: W, pdf: f64) -> Self {
-        Step { point, weight, pdf }
+        // a negative number is no density, and would read as the mark of a deferred one
+        Step { point, weight, pdf: if pdf >= 0.0 { pdf } else { f64::NAN } }
     }
 
     /// A step of a density that costs something to compute: scoring rules that need it ask [`TransitionPdf::pdf`](super::TransitionPdf::pdf), the others

@@ -69,13 +69,17 @@ impl<D: Domain> Tabulated<D> {
     #[inline]
     fn row(&self, x: &D::Point) -> &Row {
         let cell = ((self.domain.coordinate(x, 0) * self.cells as f64) as usize).min(self.cells - 1);
-        &self.rows[self.domain.state(x) * self.cells + cell]
+        // a state beyond the last has no row of its own: any row is unbiased
+        &self.rows[self.domain.state(x).min(self.groups - 1) * self.cells + cell]
     }
 
     /// The tabulated ∫ |K(x, y)| dμ(y).
+    ///
+    /// Where all samples of |K| vanish it is 0.1: they may have missed a peak, and a survival probability of 0 would then be a bias.
     #[inline]
     pub fn mass(&self, x: &D::Point) -> f64 {
-        self.row(x).mass
+        let row = self.row(x);
+        if row.table.is_some() { row.mass } else { DEFENSIVE }
     }
 
     /// 1/R(x) in the coordinate s: R at most the whole interval, so that a shell folds at most once at each end.

@@ -107,10 +107,11 @@ impl<V: Value> Estimate<V> {
         self.variance().map(|v| 1.0 / (v.magnitude() * seconds))
     }
 
-    /// Whether every component is within `sigmas` standard errors of `reference`, up to rounding (and the truncation bound, if any).
+    /// Whether every component is within `sigmas` standard errors of `reference`, up to rounding and the truncation bound, if one is known.
     pub fn agrees_with(&self, reference: V, sigmas: f64) -> bool {
         let Some(se) = self.std_error else { return false };
-        let bias = self.truncation.map_or(0.0, |t| t.bias_bound.unwrap_or(f64::INFINITY));
+        // an unknown bias excuses nothing: with an infinite allowance everything would agree
+        let bias = self.truncation.and_then(|t| t.bias_bound).unwrap_or(0.0);
         (0..V::COMPONENTS).all(|i| {
             let (v, r) = (self.value.component(i), reference.component(i));
             (v - r).abs() <= sigmas * se.component(i) + bias + 16.0 * f64::EPSILON * v.abs().max(r.abs())
@@ -135,6 +136,10 @@ impl<V: Value> Estimate<V> {
             return Verdict::NothingScored;
         }
         let n = self.samples() as f64;
+        let m = &self.moments;
+        if ![m.mean, m.m2, m.m3, m.m4].iter().all(V::all_finite) {
+            return Verdict::Doubtful; // powers of the scores overflow: nothing is known about their spread
+        }
         if let Some((index, error)) = self.tail.as_ref().and_then(Tail::index) {
             if index + 2.0 * error < 2.0 {
                 return Verdict::InfiniteVariance;

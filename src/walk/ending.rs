@@ -121,6 +121,8 @@ impl<K: Operator> Ending<K> for Roulette {
         }
         match self.rule {
             Rule::Constant(p) => Survival::with_probability(p),
+            // a weight that is not finite ends the walk, whose score then tells
+            Rule::Throughput(_) if !throughput.is_finite() => Survival::with_probability(0.0),
             Rule::Throughput(reference) if throughput >= reference => Survival::Certain,
             Rule::Throughput(reference) => Survival::Chance { probability: throughput / reference, reciprocal: reference / throughput },
         }
@@ -182,6 +184,8 @@ pub struct Subcritical;
 impl<K: RowMass> Ending<K> for Subcritical {
     #[inline]
     fn survival(&self, kernel: &K, x: &K::Point, _: u64, _: f64) -> Survival {
-        Survival::with_probability(kernel.mass(x).min(1.0))
+        let mass = kernel.mass(x);
+        // a mass that is NaN or negative is no probability: the driver refuses it with the place
+        if mass >= 1.0 { Survival::Certain } else { Survival::with_probability(mass) }
     }
 }

@@ -200,6 +200,9 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if self.sequence.replicates() == Some(0) {
             return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
         }
+        if !self.ending.ends() && equation.kernel().never_absorbs() {
+            return Err(Error::NeverEnds);
+        }
         let series = equation.kernel().series()?;
         if let (Series::Known(s), Divergence::Refuse, None) = (&series, self.divergence, self.ending.cut()) {
             let radius = s.radius();

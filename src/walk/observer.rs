@@ -87,7 +87,9 @@ impl<X: Copy + Debug, W: Weight> Recorder<X, W> {
 impl<X: Copy + Debug, W: Weight> Observer<X, W> for Recorder<X, W> {
     fn vertex(&mut self, x: &X, w: &W) {
         let (cell, walk, vertex) = (self.cell, self.walk, self.vertices.len() as u64);
-        if !w.entries_finite() {
+        if !w.entries_finite() && vertex == 0 {
+            self.blame(|| Error::NonFiniteStart { cell, walk, at: format!("{x:?}"), weight: format!("{w:?}") });
+        } else if !w.entries_finite() {
             self.blame(|| Error::Overflow { cell, walk, vertex, at: format!("{x:?}"), weight: format!("{w:?}") });
         }
         self.vertices.push(TracedVertex { point: *x, weight: *w, score: W::Value::ZERO });
