@@ -135,6 +135,20 @@ pub enum Error {
         /// The scoring rule.
         needed_by: &'static str,
     },
+    /// K(x, ·) has no integral at y = x: a singularity like 1/|x − y|, or stronger.
+    #[error("the kernel is not integrable at y = x = {x}: its integral over [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
+    NotIntegrable {
+        /// The point.
+        x: String,
+        /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
+        ratio: f64,
+    },
+    /// A point outside the domain.
+    #[error("{x} is outside the domain")]
+    Outside {
+        /// The point.
+        x: String,
+    },
     /// A domain has no finite volume where one is needed.
     #[error("{operation} needs a domain of finite volume")]
     InfiniteDomain {

@@ -75,6 +75,10 @@ impl<D: Domain> Domain for Grouped<D> {
         if x.1 < self.groups { self.domain.density(&x.0) / self.groups as f64 } else { 0.0 }
     }
 
+    fn locate(&self, x: f64) -> Option<f64> {
+        self.domain.locate(x)
+    }
+
     fn coordinate(&self, x: &Self::Point, axis: usize) -> f64 {
         self.domain.coordinate(&x.0, axis)
     }

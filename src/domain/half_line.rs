@@ -80,6 +80,10 @@ impl Domain for HalfLine {
         self.scale / (d * d)
     }
 
+    fn locate(&self, x: f64) -> Option<f64> {
+        self.contains(&x).then(|| self.coordinate(&x, 0))
+    }
+
     #[inline]
     fn coordinate(&self, x: &f64, _: usize) -> f64 {
         let r = x - self.start;

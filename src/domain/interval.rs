@@ -97,6 +97,10 @@ impl Domain for Interval {
         if self.contains(x) { 1.0 / self.length() } else { 0.0 }
     }
 
+    fn locate(&self, x: f64) -> Option<f64> {
+        self.contains(&x).then(|| self.coordinate(&x, 0))
+    }
+
     #[inline]
     fn coordinate(&self, x: &f64, _: usize) -> f64 {
         (x - self.lower) / self.length()

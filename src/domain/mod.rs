@@ -70,6 +70,12 @@ pub trait Domain: Clone + Debug + Send + Sync + 'static {
     /// The inverse of the map: coordinate `axis` of x, in [0, 1].
     fn coordinate(&self, x: &Self::Point, axis: usize) -> f64;
 
+    /// The coordinate of the real number x on a one-dimensional domain; `None` if x is outside, or the domain is not a part of the real line.
+    fn locate(&self, x: f64) -> Option<f64> {
+        let _ = x;
+        None
+    }
+
     /// The discrete state of x.
     fn state(&self, x: &Self::Point) -> usize {
         let _ = x;

@@ -1,0 +1,112 @@
+//! Lagrange bases on [0, 1], in barycentric form, and the decay of Legendre coefficients.
+//!
+//! ```text
+//! ℓ_k(u) = (s_k/(u − u_k)) / Σ_j s_j/(u − u_j)                    Berrut, Trefethen, SIAM Review 46 (2004) 501, (4.2)
+//! s_k = (−1)^k √((1 − x_k²) ω_k) for Gauss–Legendre nodes          Wang, Xiang, Math. Comp. 81 (2012) 861
+//! ```
+
+use super::quadrature::unit_rule;
+use crate::domain::Node;
+
+/// Nodes u_k in [0, 1], their quadrature weights and their barycentric weights.
+#[derive(Clone, Debug)]
+pub(crate) struct Basis {
+    rule: Vec<Node<f64>>,
+    scale: Vec<f64>,
+}
+
+impl Basis {
+    /// Polynomials of degree `order` − 1 through the Gauss–Legendre nodes.
+    pub(crate) fn gauss(order: usize) -> Self {
+        let rule = unit_rule(order);
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let scale = rule.iter().enumerate().map(|(k, n)| sign(k) * (n.point * (1.0 - n.point) * n.weight).sqrt()).collect();
+        Basis { rule, scale }
+    }
+
+    /// The two halves of hat functions on an element: linear functions through its ends.
+    pub(crate) fn hats() -> Self {
+        let rule = [0.0, 1.0].map(|point| Node { point, weight: 0.5 }).to_vec();
+        Basis { rule, scale: vec![1.0, -1.0] }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.rule.len()
+    }
+
+    pub(crate) fn rule(&self) -> &[Node<f64>] {
+        &self.rule
+    }
+
+    /// ℓ_k(u) for all k.
+    pub(crate) fn values(&self, u: f64, out: &mut [f64]) {
+        let mut sum = 0.0;
+        for ((o, n), s) in out.iter_mut().zip(&self.rule).zip(&self.scale) {
+            let d = u - n.point;
+            if d == 0.0 {
+                // at a node the basis is an indicator
+                self.rule.iter().zip(out).for_each(|(m, o)| *o = if m.point == u { 1.0 } else { 0.0 });
+                return;
+            }
+            *o = s / d;
+            sum += *o;
+        }
+        out.iter_mut().for_each(|o| *o /= sum);
+    }
+
+    /// Size of the last Legendre coefficients of the interpolant through `values`: what the basis fails to resolve.
+    ///
+    /// The two last ones together, so that an even or odd function cannot hide.
+    pub(crate) fn tail(&self, values: &[f64]) -> f64 {
+        let p = self.len();
+        let coefficient = |degree: usize| {
+            let sum: f64 = self.rule.iter().zip(values).map(|(n, v)| n.weight * v * legendre(degree, 2.0 * n.point - 1.0)).sum();
+            (2 * degree + 1) as f64 * sum
+        };
+        (p.saturating_sub(2)..p).map(|d| coefficient(d).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// P_n(x) by its three-term recurrence.
+fn legendre(n: usize, x: f64) -> f64 {
+    let (mut before, mut now) = (0.0, 1.0);
+    for k in 0..n {
+        let k = k as f64;
+        (before, now) = (now, ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0));
+    }
+    now
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Basis;
+
+    #[test]
+    fn interpolates_polynomials() {
+        let basis = Basis::gauss(9);
+        let mut l = [0.0; 9];
+        for u in [0.0, 0.1, 0.5, 0.77, 1.0] {
+            basis.values(u, &mut l);
+            let value: f64 = basis.rule().iter().zip(l).map(|(n, l)| l * n.point.powi(8)).sum();
+            assert!((value - f64::powi(u, 8)).abs() < 1e-14, "{u}: {value}");
+        }
+    }
+
+    #[test]
+    fn hats_are_linear() {
+        let mut l = [0.0; 2];
+        Basis::hats().values(0.25, &mut l);
+        assert_eq!(l, [0.75, 0.25]);
+        Basis::hats().values(1.0, &mut l);
+        assert_eq!(l, [0.0, 1.0]);
+    }
+
+    #[test]
+    fn tail_sees_what_is_unresolved() {
+        let basis = Basis::gauss(16);
+        let tail = |f: fn(f64) -> f64| basis.tail(&basis.rule().iter().map(|n| f(n.point)).collect::<Vec<_>>());
+        assert!(tail(f64::exp) < 1e-13);
+        assert!(tail(|u| (u - 0.3).abs()) > 1e-3);
+        assert!(tail(f64::sqrt) > 1e-4);
+    }
+}

@@ -1,0 +1,157 @@
+//! Nodes of a quadrature rule on a domain, and rows of the operator on them.
+
+use super::basis::Basis;
+use super::near::{Target, components};
+use super::quadrature::unit_rule;
+use crate::domain::{Domain, Node, Point};
+use crate::error::Error;
+use crate::kernel::{HasDomain, Kernel};
+use crate::parallel;
+use crate::value::Weight;
+
+/// Largest dense system that is tried: 8 n² bytes.
+pub(crate) const MOST_UNKNOWNS: usize = 16_384;
+
+/// Nodes y_j with weights w_j, ∫ φ dμ ≈ Σ w_j φ(y_j); with panels, rows near the diagonal come from product integration.
+#[derive(Clone, Debug)]
+pub(crate) struct Grid<X> {
+    pub(crate) nodes: Vec<Node<X>>,
+    panels: Option<Panels>,
+}
+
+/// Panels of the map's coordinate; nodes are ordered state by state, panel by panel.
+#[derive(Clone, Debug)]
+pub(crate) struct Panels {
+    pub(crate) breaks: Vec<f64>,
+    pub(crate) basis: Basis,
+    /// rule for a piece of a near panel
+    pieces: Vec<Node<f64>>,
+}
+
+impl Panels {
+    pub(crate) fn count(&self) -> usize {
+        self.breaks.len() - 1
+    }
+
+    pub(crate) fn panel(&self, p: usize) -> (f64, f64) {
+        (self.breaks[p], self.breaks[p + 1])
+    }
+}
+
+impl<X: Point> Grid<X> {
+    /// The domain's own tensor rule.
+    pub(crate) fn plain<D: Domain<Point = X>>(domain: &D, panels: usize, order: usize) -> Result<Self, Error> {
+        for (parameter, value) in [("panels", panels), ("order", order)] {
+            if value == 0 {
+                return Err(Error::invalid(parameter, 0.0, "must be at least 1"));
+            }
+        }
+        let unknowns = ((panels as f64) * order as f64).powi(domain.dimension() as i32) * domain.states() as f64;
+        check_size(unknowns)?;
+        Ok(Grid { nodes: domain.rule(panels, order), panels: None })
+    }
+
+    /// Gauss–Legendre nodes of `order` on every panel of a one-dimensional domain; `breaks` ascend from 0 to 1.
+    pub(crate) fn panelled<D: Domain<Point = X>>(domain: &D, breaks: Vec<f64>, order: usize) -> Result<Self, Error> {
+        if domain.dimension() != 1 {
+            return Err(Error::invalid(
+                "dimension",
+                domain.dimension() as f64,
+                "panels towards the diagonal need a one-dimensional domain",
+            ));
+        }
+        if order == 0 {
+            return Err(Error::invalid("order", 0.0, "must be at least 1"));
+        }
+        check_size((breaks.len() - 1) as f64 * order as f64 * domain.states() as f64)?;
+        let basis = Basis::gauss(order);
+        let node = |state: usize, a: f64, b: f64, n: &Node<f64>| {
+            let placed = domain.place(state, || a + (b - a) * n.point);
+            Node { point: placed.point, weight: placed.weight * n.weight * (b - a) }
+        };
+        let mut nodes = Vec::with_capacity(domain.states() * (breaks.len() - 1) * order);
+        for state in 0..domain.states() {
+            for ends in breaks.windows(2) {
+                nodes.extend(basis.rule().iter().map(|n| node(state, ends[0], ends[1], n)));
+            }
+        }
+        let pieces = unit_rule(order.max(12));
+        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }) })
+    }
+
+    pub(crate) fn panels(&self) -> Option<&Panels> {
+        self.panels.as_ref()
+    }
+
+    /// The row of T at x: `out[(a n + j) c + b]` is the weight of component b of f(y_j) in component a of (Tf)(x). Returns kernel evaluations.
+    pub(crate) fn row<K>(&self, kernel: &K, x: &X, out: &mut [f64]) -> Result<u64, Error>
+    where
+        K: Kernel<Point = X> + HasDomain,
+    {
+        let Some(panels) = &self.panels else {
+            self.far(kernel, x, 0, self.nodes.len(), out)?;
+            return Ok(self.nodes.len() as u64);
+        };
+        let (c, n) = (components::<K>(), self.nodes.len());
+        let target = Target::new(kernel, x);
+        let p = panels.basis.len();
+        let mut block = vec![0.0; p * c * c];
+        let mut evaluations = 0;
+        for index in 0..n / p {
+            let panel = panels.panel(index % panels.count());
+            if !target.is_near(panel) {
+                self.far(kernel, x, index * p, p, out)?;
+                evaluations += p as u64;
+                continue;
+            }
+            block.fill(0.0);
+            evaluations += target.moments(index / panels.count(), panel, &panels.basis, &panels.pieces, &mut block)?;
+            for (l, entries) in block.chunks_exact(c * c).enumerate() {
+                entries.iter().enumerate().for_each(|(e, w)| out[((e / c) * n + index * p + l) * c + e % c] = *w);
+            }
+        }
+        Ok(evaluations)
+    }
+
+    fn far<K: Kernel<Point = X>>(&self, kernel: &K, x: &X, first: usize, count: usize, out: &mut [f64]) -> Result<(), Error> {
+        let (c, n) = (components::<K>(), self.nodes.len());
+        for (j, y) in self.nodes.iter().enumerate().skip(first).take(count) {
+            let k = kernel.eval(x, &y.point);
+            if !k.entries_finite() {
+                return Err(Error::non_finite_kernel(x, &y.point, &k));
+            }
+            for e in 0..c * c {
+                out[((e / c) * n + j) * c + e % c] = y.weight * k.entry(e / c, e % c);
+            }
+        }
+        Ok(())
+    }
+
+    /// The matrix of T on the nodes, row by row, and the kernel evaluations it took.
+    pub(crate) fn matrix<K>(&self, kernel: &K) -> Result<(Vec<f64>, u64), Error>
+    where
+        K: Kernel<Point = X> + HasDomain,
+    {
+        let c = components::<K>();
+        let width = self.nodes.len() * c;
+        let rows = parallel::map(self.nodes.len(), |i| {
+            let mut row = vec![0.0; c * width];
+            self.row(kernel, &self.nodes[i].point, &mut row).map(|evaluations| (row, evaluations))
+        });
+        let mut matrix = Vec::with_capacity(width * width);
+        let mut evaluations = 0;
+        for row in rows {
+            let (row, count) = row?;
+            matrix.extend(row);
+            evaluations += count;
+        }
+        Ok((matrix, evaluations))
+    }
+}
+
+fn check_size(unknowns: f64) -> Result<(), Error> {
+    if unknowns > MOST_UNKNOWNS as f64 {
+        return Err(Error::invalid("unknowns", unknowns, "must be at most 16384: a dense system of n unknowns takes 8 n² bytes"));
+    }
+    Ok(())
+}

@@ -1,0 +1,219 @@
+//! f as a function, from its values at the nodes.
+
+use super::grid::Grid;
+use super::nystrom::System;
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::kernel::{HasDomain, Kernel, Operator};
+use crate::parallel;
+use crate::source::Source;
+use crate::value::{Value, Weight};
+use std::fmt;
+use std::sync::{Arc, OnceLock};
+
+/// The solution of a Nyström solve: f_n(x) = g(x) + Σ_j w_j K(x, y_j) f_j anywhere in the domain.
+///
+/// `Display` says how it was found.
+#[derive(Clone)]
+pub struct NystromSolution<G: Source, K: Operator> {
+    source: G,
+    system: Arc<System<K>>,
+    values: Vec<G::Value>,
+    error: Option<f64>,
+    evaluations: u64,
+    check: OnceLock<Result<Check<K::Point, G::Value>, Error>>,
+}
+
+/// f_n on the nodes of a rule that shares none with the solve.
+#[derive(Clone, Debug)]
+struct Check<X, V> {
+    grid: Grid<X>,
+    values: Vec<V>,
+}
+
+impl<G, K> NystromSolution<G, K>
+where
+    G: Source,
+    K: Kernel + HasDomain + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+{
+    pub(super) fn new(source: G, system: Arc<System<K>>, values: Vec<G::Value>) -> Self {
+        let evaluations = system.evaluations;
+        NystromSolution { source, system, values, error: None, evaluations, check: OnceLock::new() }
+    }
+
+    pub(super) fn with_error(self, error: f64, evaluations: u64) -> Self {
+        NystromSolution { error: Some(error), evaluations, ..self }
+    }
+
+    pub(super) fn system(&self) -> &System<K> {
+        &self.system
+    }
+
+    /// f(x); NaN in every component where K or g is not finite, or for x outside the domain. Costs one row of the operator.
+    pub fn eval(&self, x: K::Point) -> G::Value {
+        self.try_eval(&x).unwrap_or_else(|_| G::Value::from_components(|_| f64::NAN))
+    }
+
+    /// f(x), or why it is not known.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteKernel`] and [`Error::NonFiniteSource`] with the place; [`Error::Outside`] for x outside the domain.
+    pub fn try_eval(&self, x: &K::Point) -> Result<G::Value, Error> {
+        if !self.system.kernel.domain().contains(x) {
+            return Err(Error::Outside { x: format!("{x:?}") });
+        }
+        let g = self.source.eval(x);
+        if !g.all_finite() {
+            return Err(Error::non_finite_source(x, &g));
+        }
+        Ok(g + apply_row(&self.system.kernel, &self.system.grid, &self.values, x)?)
+    }
+
+    /// (Tf)(x) = f(x) − g(x), without the cancellation of taking the difference.
+    ///
+    /// # Errors
+    /// Those of [`try_eval`](NystromSolution::try_eval).
+    pub fn integral_term(&self, x: K::Point) -> Result<G::Value, Error> {
+        if !self.system.kernel.domain().contains(&x) {
+            return Err(Error::Outside { x: format!("{x:?}") });
+        }
+        apply_row(&self.system.kernel, &self.system.grid, &self.values, &x)
+    }
+
+    /// The nodes y_j.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = K::Point> + '_ {
+        self.system.grid.nodes.iter().map(|n| n.point)
+    }
+
+    /// f at the nodes.
+    pub fn values(&self) -> &[G::Value] {
+        &self.values
+    }
+
+    /// ⟨h, f⟩ = ∫ h(y) f(y) dμ(y) by the nodes of the solve.
+    ///
+    /// ```
+    /// # use fredholm::{Equation, deterministic::Nystrom};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+    /// let f = eq.solve(&Nystrom::gauss_legendre(8))?;
+    /// assert!((f.functional(|x| *x) - 0.6).abs() < 1e-15);        // ∫ x (1 + 3x/10)
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    pub fn functional(&self, h: impl Fn(&K::Point) -> f64) -> G::Value {
+        let mut sum = G::Value::ZERO;
+        for (n, f) in self.system.grid.nodes.iter().zip(&self.values) {
+            sum += f.scale(n.weight * h(&n.point));
+        }
+        sum
+    }
+
+    /// max |f| over the nodes and components.
+    #[must_use]
+    pub fn magnitude(&self) -> f64 {
+        self.values.iter().map(Value::magnitude).fold(0.0, f64::max)
+    }
+
+    /// Size of the linear system.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.system.factor.unknowns()
+    }
+
+    /// Kernel evaluations of the solve (all attempts, for an adaptive one).
+    #[must_use]
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    /// Estimated reciprocal condition number of the system, 1-norm: digits of f beyond −log₁₀(ε/rcond) are noise.
+    #[must_use]
+    pub fn rcond(&self) -> f64 {
+        self.system.factor.rcond()
+    }
+
+    /// Estimated ‖(I − T)⁻¹‖∞: |error| ≤ this × largest |residual|.
+    #[must_use]
+    pub fn inverse_norm(&self) -> f64 {
+        self.system.factor.inverse_norm()
+    }
+
+    /// Estimated largest |error|, in the units of f; only adaptive solves know it.
+    #[must_use]
+    pub fn error_estimate(&self) -> Option<f64> {
+        self.error
+    }
+
+    /// g(x) + (Tf_n)(x) − f_n(x), with T by a rule that shares neither nodes nor order with the solve (made at the first call: about n more rows).
+    ///
+    /// # Errors
+    /// Those of [`try_eval`](NystromSolution::try_eval).
+    pub fn residual(&self, x: K::Point) -> Result<G::Value, Error> {
+        let check = self.check.get_or_init(|| self.independent()).as_ref().map_err(Clone::clone)?;
+        Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - self.integral_term(x)?)
+    }
+
+    fn independent(&self) -> Result<Check<K::Point, G::Value>, Error> {
+        let domain = self.system.kernel.domain();
+        let grid = match self.system.grid.panels() {
+            Some(p) => Grid::panelled(domain, between(&p.breaks), p.basis.len() + 3)?,
+            None => {
+                let per_axis = (self.system.grid.nodes.len() as f64 / domain.states() as f64).powf(1.0 / domain.dimension().max(1) as f64);
+                match domain.dimension() {
+                    // towards the diagonal as well: a kink that the solve does not see must not hide here
+                    1 => Grid::panelled(domain, vec![0.0, 0.27, 0.55, 0.81, 1.0], (per_axis / 3.0).ceil() as usize + 7)?,
+                    _ => Grid::plain(domain, 1, per_axis.round() as usize + 3)?,
+                }
+            }
+        };
+        let values = parallel::map(grid.nodes.len(), |i| self.try_eval(&grid.nodes[i].point));
+        let values = values.into_iter().collect::<Result<_, _>>()?;
+        Ok(Check { grid, values })
+    }
+}
+
+/// The same breaks with one more near the middle of every third panel, so that panels and nodes differ.
+fn between(breaks: &[f64]) -> Vec<f64> {
+    let mut out = vec![breaks[0]];
+    for (i, ends) in breaks.windows(2).enumerate() {
+        if i % 3 == 0 {
+            out.push(ends[0] + 0.46 * (ends[1] - ends[0]));
+        }
+        out.push(ends[1]);
+    }
+    out
+}
+
+/// Σ_j (row of T at x)_j f_j.
+fn apply_row<K, V>(kernel: &K, grid: &Grid<K::Point>, values: &[V], x: &K::Point) -> Result<V, Error>
+where
+    K: Kernel + HasDomain,
+    K::Weight: Weight<Value = V>,
+    V: Value,
+{
+    let (c, n) = (V::COMPONENTS, values.len());
+    let mut row = vec![0.0; c * c * n];
+    grid.row(kernel, x, &mut row)?;
+    let component = |a: usize| (0..n).map(|j| (0..c).map(|b| row[(a * n + j) * c + b] * values[j].component(b)).sum::<f64>()).sum();
+    Ok(V::from_components(component))
+}
+
+impl<G: Source, K: Operator> fmt::Debug for NystromSolution<G, K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("NystromSolution")
+            .field("nodes", &self.values.len())
+            .field("rcond", &self.system.factor.rcond())
+            .field("error", &self.error)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<G: Source, K: Operator> fmt::Display for NystromSolution<G, K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Nyström, {} unknowns, rcond {:.1e}", self.system.factor.unknowns(), self.system.factor.rcond())?;
+        match self.error {
+            Some(error) => write!(f, ", |error| ≲ {error:.1e}"),
+            None => write!(f, ", error not estimated"),
+        }
+    }
+}
