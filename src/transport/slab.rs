@@ -77,7 +77,10 @@ impl Slab {
     }
 
     /// S from a closure, sampled uniformly.
-    pub fn source<F: Fn(f64) -> f64 + Send + Sync>(&self, s: F) -> SourceFn<Interval, impl Fn(&f64) -> f64 + Send + Sync, f64> {
+    pub fn source<F>(&self, s: F) -> SourceFn<Interval, impl Fn(&f64) -> f64 + Send + Sync + Clone, f64>
+    where
+        F: Fn(f64) -> f64 + Send + Sync + Clone,
+    {
         source_fn(self.domain, move |x: &f64| s(*x))
     }
 

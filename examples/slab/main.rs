@@ -1,0 +1,74 @@
+//! A slab that scatters isotropically, by every estimator and by Nyström:
+//!
+//! ```text
+//! φ(x) = S(x) + (c/2) ∫₀ᵃ E₁(|x − y|) φ(y) dy        c = 0.9, a = 10, S = 1:  φ(5) = 9.135261726293376
+//! ```
+//!
+//! `cargo run --release --example slab [-- --c 0.9 --a 10 --source uniform|ramp|beam:0.5 --samples N --seed S --plots FOLDER]`
+//!
+//! E₁ is infinite at y = x. Walks sample that singularity exactly by flying as particles do; Nyström integrates it on graded panels.
+
+mod methods;
+mod options;
+mod pictures;
+mod report;
+mod truth;
+
+use fredholm::source::{Emit, SampleSource};
+use fredholm::transport::{CollisionTally, Histories, Slab, TrackTally};
+use fredholm::{Error, Estimate};
+use options::{Options, SourceChoice};
+use std::process::ExitCode;
+use truth::Truth;
+
+/// One method's answer.
+struct Row {
+    name: String,
+    answer: Result<Vec<Estimate>, Error>,
+}
+
+fn run<G>(options: &Options, slab: &Slab, source: G) -> Result<(), Error>
+where
+    G: SampleSource<Point = f64, Value = f64> + Emit + Clone + 'static,
+{
+    let xs = options.points();
+    report::heading(options);
+    let truth = Truth::new(options, slab, &source, &xs)?;
+    report::nystrom(&truth, &xs);
+
+    let methods = methods::all(slab, &source, options.seed)?;
+    let samples = options.samples.unwrap_or_else(|| methods::affordable(slab, &truth));
+    report::table_head(&xs, samples);
+    let mut rows = Vec::new();
+    for method in &methods {
+        let row = Row { name: method.name.clone(), answer: (method.solve)(&xs, samples) };
+        report::row(&row, &truth.values);
+        rows.push(row);
+    }
+    report::legend(&rows);
+
+    let histories = Histories::new((CollisionTally, TrackTally)).bins(20).histories(8 * samples).seed(options.seed);
+    report::forward(&truth, histories.run(slab, &source));
+
+    pictures::draw(options, &truth, &rows, &methods, samples)
+}
+
+fn main() -> ExitCode {
+    let result = Options::parse(std::env::args().skip(1)).and_then(|options| {
+        let slab = Slab::new(options.thickness).scattering(options.ratio);
+        let thickness = options.thickness;
+        let solved = match options.source {
+            SourceChoice::Uniform => run(&options, &slab, slab.uniform(1.0)),
+            SourceChoice::Ramp => run(&options, &slab, slab.source(move |x| x / thickness)),
+            SourceChoice::Beam(cosine) => run(&options, &slab, slab.beam(cosine)),
+        };
+        solved.map_err(|e| e.to_string())
+    });
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("slab: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
