@@ -12,7 +12,10 @@ pub fn heading(options: &Options) {
         SourceChoice::Ramp => "S = x/a".to_string(),
         SourceChoice::Beam(cosine) => format!("S = exp(−x/{cosine})"),
     };
-    println!("φ(x) = S(x) + (c/2) ∫₀ᵃ E₁(|x − y|) φ(y) dy      c = {}, a = {} mean free paths, {source}\n", options.ratio, options.thickness);
+    println!(
+        "φ(x) = S(x) + (c/2) ∫₀ᵃ E₁(|x − y|) φ(y) dy      c = {}, a = {} mean free paths, {source}\n",
+        options.ratio, options.thickness
+    );
 }
 
 pub fn nystrom(truth: &Truth, xs: &[f64]) {
@@ -22,7 +25,12 @@ pub fn nystrom(truth: &Truth, xs: &[f64]) {
     }
     println!("{:28}{}", format!("Nyström, {} unknowns", truth.unknowns), columns(&truth.nystrom, |v| format!("{v:.14}")));
     let from = if truth.stored { "the stored values" } else { "Nyström" };
-    println!("{:28}error ≤ {:.1e} by its residual, {:.0} ms; z-scores below refer to {from}\n", "", truth.error, truth.elapsed.as_secs_f64() * 1e3);
+    println!(
+        "{:28}error ≤ {:.1e} by its residual, {:.0} ms; z-scores below refer to {from}\n",
+        "",
+        truth.error,
+        truth.elapsed.as_secs_f64() * 1e3
+    );
 }
 
 fn columns<T>(items: &[T], text: impl Fn(&T) -> String) -> String {
