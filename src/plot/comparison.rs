@@ -116,7 +116,8 @@ impl Comparison {
     fn draw(&self) -> Result<Drawing, Error> {
         let values = self.values()?;
         let names = self.rows.iter().map(|(label, _)| text_width(label, TEXT)).fold(0.0, f64::max);
-        let frame = Frame { left: names + 26.0, top: 58.0, width: WIDTH, height: ROW * self.rows.len() as f64 + 10.0 };
+        let frame =
+            Frame { left: names + 26.0, top: panel::top(&self.subtitle), width: WIDTH, height: ROW * self.rows.len() as f64 + 10.0 };
         let panel = Panel { frame, x: Axis::log(&self.quantity, values, 0.35), y: Axis::linear("", [0.0, 1.0], 0.0) };
         // the numbers stand in a column of their own, right of the frame
         let text = |row: &Row| match row {

@@ -117,7 +117,7 @@ impl Convergence {
         let y = Axis::log(&self.error, errors.chain([constant / least.sqrt()]), 0.15);
         let legend = self.legend();
         let left = Panel::room_left(&y, HEIGHT) + 8.0;
-        let frame = Frame { left, top: 58.0, width: WIDTH, height: HEIGHT };
+        let frame = Frame { left, top: panel::top(&self.subtitle), width: WIDTH, height: HEIGHT };
         let beside = left + WIDTH + panel::legend_width(&legend) + 16.0;
         let mut drawing = Drawing::new(panel::page_width(beside, frame, &self.title, &self.subtitle), frame.top + HEIGHT + 52.0);
         let panel = Panel { frame, x, y };

@@ -85,7 +85,9 @@ impl Panel {
     pub(super) fn border(&self, drawing: &mut Drawing) {
         let Frame { left, top, width, height } = self.frame;
         let (right, bottom) = (left + width, top + height);
-        drawing.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top), (right, top)], INK, FRAME, SOLID);
+        // four lines: a closed path loses an edge where plotters fills thick paths as polygons
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+        corners.windows(2).for_each(|side| drawing.line(side, INK, FRAME, SOLID));
     }
 
     fn y_axis(&self, drawing: &mut Drawing) {
@@ -127,7 +129,7 @@ impl Panel {
 }
 
 fn y_ticks(axis: &Axis, height: f64) -> Vec<Tick> {
-    axis.ticks((height / 42.0) as usize)
+    axis.ticks(((height / 42.0) as usize).max(4))
 }
 
 /// One line of a legend.
@@ -169,6 +171,11 @@ pub(super) fn legend(drawing: &mut Drawing, frame: Frame, entries: &[Entry]) {
         }
         drawing.text(entry.label.as_str(), (left + SAMPLE + 8.0, y + 0.36 * TEXT), TEXT, Align::Left);
     }
+}
+
+/// Distance of the first frame from the upper edge: room for the title.
+pub(super) fn top(subtitle: &str) -> f64 {
+    if subtitle.is_empty() { 42.0 } else { 58.0 }
 }
 
 /// Paints the title above `frame`, and a line of smaller text below it.

@@ -21,8 +21,9 @@ const SAMPLES: usize = 400;
 
 /// f along an interval: curves from functions, estimates with error bars.
 ///
-/// Error bars are the 95 % Student intervals. If there is a curve, a second panel shows (estimate − first curve)/standard error, where 95 % of
-/// the marks should fall between the dashed lines at ±1.96: errors too small to see in the first panel are seen there.
+/// Error bars are the 95 % Student intervals. If there is a curve, a second panel shows (estimate − curve)/standard error, where 95 % of the
+/// marks should fall between the dashed lines at ±1.96: errors too small to see in the first panel are seen there. Estimates are compared with
+/// the curve that was given last before them, or else with the first.
 ///
 /// ```
 /// # fn main() -> Result<(), fredholm::Error> {
@@ -44,10 +45,19 @@ pub struct Profile<'a> {
     y: String,
     interval: Interval,
     curves: Vec<(String, Curve<'a>)>,
-    points: Vec<(String, Vec<Bar>)>,
+    points: Vec<Points>,
 }
 
 type Curve<'a> = Rc<dyn Fn(f64) -> f64 + 'a>;
+
+/// A series of estimates.
+#[derive(Clone, Debug)]
+struct Points {
+    label: String,
+    bars: Vec<Bar>,
+    /// number of the curve that deviations are measured from, if there is one
+    curve: usize,
+}
 
 /// An estimate at x; NaN where an error is unknown, which is refused.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +104,7 @@ impl<'a> Profile<'a> {
         Profile { y: label.into(), ..self }
     }
 
-    /// A function, drawn through 401 points. The first one is what deviations are measured from.
+    /// A function, drawn through 401 points. Estimates that follow are compared with it.
     pub fn curve(mut self, label: &str, f: impl Fn(f64) -> f64 + 'a) -> Self {
         self.curves.push((label.into(), Rc::new(f)));
         self
@@ -112,7 +122,8 @@ impl<'a> Profile<'a> {
                 std_error: e.and_then(|e| e.std_error).unwrap_or(f64::NAN),
             }
         };
-        self.points.push((label.into(), (0..xs.len().max(estimates.len())).map(bar).collect()));
+        let bars = (0..xs.len().max(estimates.len())).map(bar).collect();
+        self.points.push(Points { label: label.into(), bars, curve: self.curves.len().saturating_sub(1) });
         self
     }
 
@@ -144,7 +155,7 @@ impl<'a> Profile<'a> {
     fn validate(&self) -> Result<(), Error> {
         self.interval.validate()?;
         some("curves and estimates", self.curves.len() + self.points.len())?;
-        for (label, bars) in &self.points {
+        for Points { label, bars, .. } in &self.points {
             some("estimates", bars.len())?;
             let (here, within) = (self.interval, "every estimate needs an x inside the interval of the plot");
             check(label, "x", within, bars.iter().map(|b| b.x), |x| here.contains(&x))?;
@@ -162,8 +173,11 @@ impl<'a> Profile<'a> {
 
     /// (x, deviation in standard errors) of every series; `None` without a curve to deviate from.
     fn deviations(&self) -> Result<Option<Vec<Vec<(f64, f64)>>>, Error> {
-        let Some((label, f)) = self.curves.first() else { return Ok(None) };
-        let one = |b: &Bar| {
+        if self.curves.is_empty() || self.points.is_empty() {
+            return Ok(None);
+        }
+        let one = |points: &Points, b: &Bar| {
+            let (label, f) = &self.curves[points.curve];
             let expected = finite(label, b.x, f(b.x))?.1;
             // an estimate without variance deviates by rounding at most, or infinitely: the latter cannot be drawn
             let same = (b.value - expected).abs() <= 16.0 * f64::EPSILON * expected.abs();
@@ -171,24 +185,23 @@ impl<'a> Profile<'a> {
             if z.is_finite() {
                 return Ok((b.x, z));
             }
-            let (series, requirement) = (label.clone(), "an estimate of standard error 0 lies off the curve");
+            let (series, requirement) = (points.label.clone(), "an estimate of standard error 0 lies off the curve");
             Err(Error::Unplottable { series, quantity: "deviation in standard errors", at: format!("x = {}", b.x), value: z, requirement })
         };
-        let series = self.points.iter().map(|(_, bars)| bars.iter().map(one).collect()).collect::<Result<Vec<_>, _>>()?;
-        Ok((!series.is_empty()).then_some(series))
+        self.points.iter().map(|p| p.bars.iter().map(|b| one(p, b)).collect()).collect::<Result<_, _>>().map(Some)
     }
 
     fn draw(&self) -> Result<Drawing, Error> {
         self.validate()?;
         let (curves, deviations) = (self.sampled()?, self.deviations()?);
         let x = Axis::linear(&self.x, [self.interval.lower(), self.interval.upper()], 0.025);
-        let ends = self.points.iter().flat_map(|(_, bars)| bars).flat_map(|b| [b.value - b.half_width, b.value + b.half_width]);
+        let ends = self.points.iter().flat_map(|p| &p.bars).flat_map(|b| [b.value - b.half_width, b.value + b.half_width]);
         let y = Axis::linear(&self.y, curves.iter().flatten().map(|p| p.1).chain(ends), 0.06);
         let largest = deviations.iter().flatten().flatten().map(|d| d.1.abs()).fold(3.0, f64::max);
         let z = Axis::linear("deviation / σ", [-largest, largest], 0.08);
         let legend = self.legend();
         let left = Panel::room_left(&y, HEIGHT).max(Panel::room_left(&z, DEVIATIONS)) + 8.0;
-        let frame = Frame { left, top: 58.0, width: WIDTH, height: HEIGHT };
+        let frame = Frame { left, top: panel::top(&self.subtitle), width: WIDTH, height: HEIGHT };
         let lower = Frame { top: frame.top + HEIGHT + BETWEEN, height: DEVIATIONS, ..frame };
         let bottom = if deviations.is_some() { lower.top + DEVIATIONS } else { frame.top + HEIGHT };
         let beside = left + WIDTH + panel::legend_width(&legend) + 16.0;
@@ -209,7 +222,7 @@ impl<'a> Profile<'a> {
             Entry { label: label.into(), colour, line: curve.then_some(look(i).dash), marker: (!curve).then_some(marker) }
         };
         let curves = self.curves.iter().enumerate().map(|(i, (label, _))| entry(i, label, true));
-        curves.chain(self.points.iter().enumerate().map(|(i, (label, _))| entry(self.curves.len() + i, label, false))).collect()
+        curves.chain(self.points.iter().enumerate().map(|(i, p)| entry(self.curves.len() + i, &p.label, false))).collect()
     }
 
     /// The first curve is dark grey: it is what everything else is compared with.
@@ -232,9 +245,9 @@ impl<'a> Profile<'a> {
             let places: Vec<_> = curve.iter().map(|p| panel.place(p.0, p.1)).collect();
             drawing.line(&places, self.look(i).colour, 1.8, look(i).dash);
         }
-        for (i, (_, bars)) in self.points.iter().enumerate() {
+        for (i, points) in self.points.iter().enumerate() {
             let (look, shift) = (self.look(curves.len() + i), self.shift(i));
-            for bar in bars {
+            for bar in &points.bars {
                 let (x, y) = panel.place(bar.x, bar.value);
                 let ends = [bar.value - bar.half_width, bar.value + bar.half_width].map(|v| panel.row(v));
                 drawing.line(&ends.map(|e| (x + shift, e)), look.colour, 1.4, SOLID);

@@ -69,6 +69,30 @@ pub struct Estimate<V = f64> {
 }
 
 impl<V: Value> Estimate<V> {
+    /// The estimate of component `i` alone, such as one energy group. Its tail is not known: tails are kept for the largest component.
+    ///
+    /// ```
+    /// use fredholm::{Equation, Spectrum, Walk};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| Spectrum([1.0, 2.0]), |x, y| Spectrum([0.5 * x * y; 2]));
+    /// let f = eq.at(0.5).solve(&Walk::collision())?;
+    /// assert!(f.component(1).agrees_with(2.3, 5.0));
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    #[must_use]
+    pub fn component(&self, i: usize) -> Estimate<f64> {
+        Estimate {
+            value: self.value.component(i),
+            std_error: self.std_error.map(|s| s.component(i)),
+            degrees_of_freedom: self.degrees_of_freedom,
+            moments: self.moments.component(i),
+            tail: None,
+            steps: self.steps,
+            evaluations: self.evaluations,
+            truncation: self.truncation,
+            elapsed: self.elapsed,
+        }
+    }
+
     /// Number of walks.
     pub fn samples(&self) -> u64 {
         self.moments.count

@@ -119,6 +119,14 @@ impl<V: Value> Moments<V> {
         };
     }
 
+    /// The moments of component `i` alone. How many of its scores are not zero was not counted: `nonzero` is that of the whole, or 0 if all were.
+    #[must_use]
+    pub fn component(&self, i: usize) -> Moments<f64> {
+        let (mean, m2) = (self.mean.component(i), self.m2.component(i));
+        let nonzero = if mean == 0.0 && m2 == 0.0 { 0 } else { self.nonzero };
+        Moments { count: self.count, nonzero, mean, m2, m3: self.m3.component(i), m4: self.m4.component(i) }
+    }
+
     /// Unbiased sample variance M₂/(N−1); `None` below two scores.
     pub fn variance(&self) -> Option<V> {
         (self.count > 1).then(|| self.m2.map(|s| s.max(0.0) / (self.count - 1) as f64))
