@@ -9,7 +9,7 @@ use fredholm::domain::{Domain, Interval, Node};
 use fredholm::kernel::{Absorbing, HasDomain, Kernel, Operator, RowMass, Step, Transition, TransitionPdf};
 use fredholm::sampling::Sampler;
 use fredholm::source::{SampleSource, Source};
-use fredholm::{Equation, Error, Estimate, Method, Walk};
+use fredholm::{check, Equation, Error, Estimate, Method, Walk};
 
 /// ½e^{−|x−y|}, the flight of a particle through matter that always scatters.
 struct Flight(Interval);
@@ -41,21 +41,16 @@ mod capabilities {
 /// g = 1, with points as seen from x: q(y given x) ∝ e^{−|x−y|} on [0, 1].
 struct Glow;
 
-impl Source for Glow {
-    type Point = f64;
-    type Value = f64;
-    fn eval(&self, _: &f64) -> f64 {
-        1.0
-    }
-}
+#[rustfmt::skip]
+impl Source for Glow { type Point = f64; type Value = f64; fn eval(&self, _: &f64) -> f64 { 1.0 } }
 
 impl SampleSource for Glow {
     fn sample_for<S: Sampler>(&self, x: &f64, u: &mut S) -> Option<Node<f64>> {
         // the masses 1 − e^{−x} on the left and 1 − e^{−(1−x)} on the right share the coordinate
         let (left, right) = (-(-x).exp_m1(), -(x - 1.0).exp_m1());
         let t = u.next_1d() * (left + right) - left;
-        let y = if t < 0.0 { x + t.ln_1p() } else { x - (-t).ln_1p() };
-        Some(Node { point: y.clamp(0.0, 1.0), weight: 1.0 / self.pdf_for(x, &y) })
+        let y = (x - t.signum() * (-t.abs()).ln_1p()).clamp(0.0, 1.0);
+        Some(Node { point: y, weight: 1.0 / self.pdf_for(x, &y) })
     }
     fn pdf_for(&self, x: &f64, y: &f64) -> f64 {
         (-(x - y).abs()).exp() / (2.0 - (-x).exp() - (x - 1.0).exp())
@@ -64,8 +59,11 @@ impl SampleSource for Glow {
 
 fn main() -> Result<(), Error> {
     let n =
-        std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("--samples needs a whole number"));
+        std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("a whole number"));
     let eq = Equation::new(Glow, Flight(Interval::from(0.0..=1.0)));
+    // does it keep its laws? a broken one would be named, with the place and the numbers
+    println!("{}\n", check::equation(&eq, check::Settings::default())?.and(check::row_mass(eq.kernel(), check::Settings::default())?));
+
     let methods: [(&str, &dyn Method<_, _, _, Solution = Estimate>); 5] = [
         ("collision", &Walk::collision().samples_per_cell(n)),
         ("absorption", &Walk::absorption().samples_per_cell(n)),
