@@ -36,6 +36,7 @@
 mod boxes;
 mod expression;
 mod fields;
+mod functional;
 mod functions;
 mod line;
 mod problem;
@@ -45,5 +46,6 @@ mod stated;
 mod translate;
 
 pub use expression::Expression;
+pub use functional::{KnownFunctional, TextFunctional};
 pub use problem::{Problem, Statement, Visitor};
-pub use stated::{KernelText, Known, KnownFunctional, SourceText, Stated, TextEquation};
+pub use stated::{KernelText, Known, SourceText, Stated, TextEquation};

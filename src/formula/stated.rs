@@ -1,8 +1,8 @@
 //! An equation read from text, on one type of domain, with what is known about its solution.
 
 use super::fields::{Fields, formula, kind, message, number, refuse};
+use super::functional::KnownFunctional;
 use super::translate::Parameters;
-use crate::detector::Functional;
 use crate::domain::Domain;
 use crate::equation::{ClosureEquation, Equation};
 use crate::error::Error;
@@ -32,37 +32,6 @@ pub struct Known<X> {
     pub label: String,
     /// f(x).
     pub value: Option<f64>,
-}
-
-/// A functional ⟨h, f⟩, and its value if the file knows it.
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct KnownFunctional<D: Domain> {
-    /// h as the file writes it.
-    pub label: String,
-    /// ∫ h f dμ.
-    pub value: Option<f64>,
-    domain: D,
-    weight: Unary<D>,
-}
-
-impl<D: Domain> fmt::Debug for KnownFunctional<D> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("KnownFunctional").field("label", &self.label).field("value", &self.value).finish_non_exhaustive()
-    }
-}
-
-impl<D: Domain> KnownFunctional<D> {
-    /// h(x).
-    pub fn weight(&self, x: &D::Point) -> f64 {
-        (self.weight)(x)
-    }
-
-    /// The detector that measures it with walks.
-    pub fn detector(&self) -> Functional<D, SourceText<D>> {
-        let weight = self.weight.clone();
-        Functional::new(self.domain.clone(), Box::new(move |x| weight(x)))
-    }
 }
 
 /// An equation with the questions its file asks.
