@@ -9,7 +9,7 @@ use fredholm::domain::{Domain, Interval, Node};
 use fredholm::kernel::{Absorbing, HasDomain, Kernel, Operator, RowMass, Step, Transition, TransitionPdf};
 use fredholm::sampling::Sampler;
 use fredholm::source::{SampleSource, Source};
-use fredholm::{check, Equation, Error, Estimate, Method, Walk};
+use fredholm::{Equation, Error, Estimate, Method, Walk, check};
 
 /// ½e^{−|x−y|}, the flight of a particle through matter that always scatters.
 struct Flight(Interval);
@@ -58,11 +58,11 @@ impl SampleSource for Glow {
 }
 
 fn main() -> Result<(), Error> {
-    let n =
-        std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("a whole number"));
+    let n = std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("a whole number"));
     let eq = Equation::new(Glow, Flight(Interval::from(0.0..=1.0)));
     // does it keep its laws? a broken one would be named, with the place and the numbers
-    println!("{}\n", check::equation(&eq, check::Settings::default())?.and(check::row_mass(eq.kernel(), check::Settings::default())?));
+    println!("equation: {}", check::equation(&eq, check::Settings::default())?);
+    println!("row mass: {}\n", check::row_mass(eq.kernel(), check::Settings::default())?);
 
     let methods: [(&str, &dyn Method<_, _, _, Solution = Estimate>); 5] = [
         ("collision", &Walk::collision().samples_per_cell(n)),

@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn error::Error>> {
     // a run that is interrupted after three rounds: leaving the loop is all it takes
     let mut rounds = query.rounds(&walk)?;
     for round in rounds.by_ref().take(3) {
-        println!("round {}: f(½) = {}", round.as_ref().map_or(0, |r| r.number), round?.estimates);
+        let round = round?;
+        println!("round {}: f(½) = {}", round.number, round.estimates);
     }
     let file = "target/plots/stopping.json";
     fs::create_dir_all("target/plots")?;
