@@ -109,8 +109,7 @@ impl Convergence {
 
     fn draw(&self) -> Result<Drawing, Error> {
         self.validate()?;
-        // the reference line lies above all data, close to the nearest point
-        let constant = 1.6 * self.points().map(|(c, e)| e * c.sqrt()).fold(0.0, f64::max);
+        let constant = self.reference();
         let x = Axis::log(&self.cost, self.points().map(|p| p.0), 0.12);
         let least = self.points().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let errors = self.points().map(|p| p.1).filter(|e| *e > 0.0);
@@ -130,6 +129,12 @@ impl Convergence {
         panel::legend(&mut drawing, frame, &legend);
         panel::title(&mut drawing, frame, &self.title, &self.subtitle);
         Ok(drawing)
+    }
+
+    /// The constant of the reference line: above the cheapest point of every series, so that series which fall slower are seen to cross it.
+    fn reference(&self) -> f64 {
+        let cheapest = |points: &[(f64, f64)]| points.iter().copied().filter(|p| p.1 > 0.0).min_by(|a, b| a.0.total_cmp(&b.0));
+        1.6 * self.series.iter().filter_map(|(_, points)| cheapest(points)).map(|(c, e)| e * c.sqrt()).fold(0.0, f64::max)
     }
 
     fn legend(&self) -> Vec<Entry> {
