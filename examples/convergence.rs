@@ -4,6 +4,7 @@
 //! Root mean square of the true error over repetitions with seeds of their own, for N = 64, 128, … walks.
 //!
 //! `cargo run --release --example convergence -- [--samples 65536] [--repetitions 100]`
+#![allow(clippy::print_stdout)]
 
 use fredholm::statistics::Rate;
 use fredholm::walk::Roulette;
@@ -20,8 +21,10 @@ fn option(name: &str, default: u64) -> u64 {
 /// N, median seconds a solve, root mean square error.
 type Point = (f64, f64, f64);
 
-/// `solve` takes N and a seed.
-fn errors(samples: u64, repetitions: u64, solve: &dyn Fn(u64, u64) -> Result<Estimate, Error>) -> Result<Vec<Point>, Error> {
+/// Takes N and a seed.
+type Solve<'a> = &'a dyn Fn(u64, u64) -> Result<Estimate, Error>;
+
+fn errors(samples: u64, repetitions: u64, solve: Solve<'_>) -> Result<Vec<Point>, Error> {
     let at = |n: u64| {
         let (mut squares, mut seconds) = (0.0, Vec::new());
         for seed in 1..=repetitions {
@@ -41,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tabulated = eq.clone().tabulated(64)?;
     let (uniform, tabulated) = (eq.at(0.5), tabulated.at(0.5));
     let roulette = Roulette::constant(0.5);
-    let methods: [(&str, &dyn Fn(u64, u64) -> Result<Estimate, Error>); 6] = [
+    let methods: [(&str, Solve<'_>); 6] = [
         ("collision", &|n, seed| uniform.solve(&Walk::collision().samples_per_cell(n).seed(seed))),
         ("absorption, P = ½", &|n, seed| uniform.solve(&Walk::absorption().roulette(roulette).samples_per_cell(n).seed(seed))),
         ("subcritical, tabulated", &|n, seed| tabulated.solve(&Walk::subcritical().samples_per_cell(n).seed(seed))),

@@ -3,6 +3,7 @@
 //! Equation: f(x) = 1 + ∫₀¹ ½xy f(y) dy. Answer: f(x) = 1 + 3x/10, at x = ½ therefore 1.15.
 //!
 //! `cargo run --release --example first_steps -- [--samples 65536]`
+#![allow(clippy::print_stdout)]
 
 use fredholm::walk::{Heuristic, Roulette};
 use fredholm::{Equation, Error, Estimate, Method, Walk, plot::Comparison};

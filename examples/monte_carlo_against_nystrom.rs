@@ -4,6 +4,7 @@
 //! Answer: f(0) = 1.919031993127…; no closed form is known.
 //!
 //! `cargo run --release --example monte_carlo_against_nystrom -- [--samples 100000]`
+#![allow(clippy::print_stdout)]
 
 use fredholm::deterministic::Nystrom;
 use fredholm::plot::Profile;

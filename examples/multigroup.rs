@@ -4,6 +4,7 @@
 //! Answer: f = (φ_½, φ_⅘ − φ_½), where φ_λ = 1/(1−λ) + C cosh κ(x−1), κ = √(1−λ), solves the equation of one group with β = λ, g = 1.
 //!
 //! `cargo run --release --example multigroup -- [--samples 100000]`
+#![allow(clippy::print_stdout)]
 
 use fredholm::domain::{Grouped, Interval};
 use fredholm::plot::Profile;
@@ -39,8 +40,8 @@ fn main() -> Result<(), Error> {
 
     println!("{:>5} {:>6}{:>12}   {:18}{:>6}   {:18}{:>6}", "x", "group", "exact", "matrix weights", "z", "group in state", "z");
     for (i, x) in xs.iter().enumerate() {
-        for g in 0..2 {
-            let (f, single) = (exact(g, *x), &singles[g][i]);
+        for (g, single) in singles.iter().map(|s| &s[i]).enumerate() {
+            let f = exact(g, *x);
             let pair = pairs[i].component(g);
             let z = |e: &Estimate| e.z_score(f).unwrap_or(0.0);
             println!("{x:5} {:6}{f:12.6}   {pair:18}{:6.2}   {single:18}{:6.2}", g + 1, z(&pair), z(single));
@@ -48,12 +49,12 @@ fn main() -> Result<(), Error> {
     }
     let mut plot =
         Profile::new("Two groups, down-scattering", 0.0..=2.0).subtitle("β = (½ 0; 3/10 4/5), source in group 1").y_label("f₁, f₂");
-    for g in 0..2 {
+    for (g, single) in singles.iter().enumerate() {
         let pair: Vec<_> = pairs.iter().map(|e| e.component(g)).collect();
         plot = plot
             .curve(&format!("group {}, exact", g + 1), move |x| exact(g, x))
             .estimates(&format!("group {}, matrix weights", g + 1), &xs, &pair)
-            .estimates(&format!("group {}, group in state", g + 1), &xs, &singles[g]);
+            .estimates(&format!("group {}, group in state", g + 1), &xs, single);
     }
     plot.save("target/plots/multigroup.svg")?;
     println!("wrote target/plots/multigroup.svg");

@@ -4,6 +4,7 @@
 //! A walk flies an exponential distance to the left or right; that samples K exactly, so weights are 1 and leaving [0, 1] is the absorption.
 //!
 //! `cargo run --release --example own_kernel -- [--samples 65536]`
+#![allow(clippy::print_stdout)]
 
 use fredholm::domain::{Domain, Interval, Node};
 use fredholm::kernel::{Absorbing, HasDomain, Kernel, Operator, RowMass, Step, Transition, TransitionPdf};
@@ -28,13 +29,12 @@ mod capabilities {
     }
     // absorption: the probability to leave, the mass of K outside [0, 1]
     impl Absorbing for Flight { fn absorption(&self, x: &f64) -> f64 { 0.5 * ((-x).exp() + (x - 1.0).exp()) } }
-    // next event, Nyström
     impl Kernel for Flight { fn eval(&self, x: &f64, y: &f64) -> f64 { 0.5 * (-(x - y).abs()).exp() } }
     // multiple importance sampling
     impl TransitionPdf for Flight { fn pdf(&self, x: &f64, y: &f64) -> f64 { self.eval(x, y) } }
     // subcritical
     impl RowMass for Flight { fn mass(&self, x: &f64) -> f64 { 1.0 - self.absorption(x) } }
-    // Nyström, proposals, the check that the series converges
+    // Kernel and HasDomain: next event, Nyström, proposals, the check that the series converges
     impl HasDomain for Flight { type Domain = Interval; fn domain(&self) -> &Interval { &self.0 } }
 }
 

@@ -3,6 +3,7 @@
 //! Equation: f(x) = g(x) + ∫₀¹ ½(x+1)e^{−xy} f(y) dy, g(x) = e^{−x} − ½ + ½e^{−(x+1)}. Answer: f(x) = e^{−x}, at x = ½ therefore 0.606530….
 //!
 //! `cargo run --release --example stopping -- [--error 0.0005] [--samples 16777216]`
+#![allow(clippy::print_stdout)]
 
 use fredholm::{Equation, Walk, statistics::Target};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Every plot has `save` (the extension chooses SVG or PNG; missing folders are made), `to_svg` and `to_png`. What cannot be drawn is refused
-//! with the series, the point and the number ([`Error::Unplottable`](crate::Error::Unplottable)); nothing is left out.
+//! with the series, the point and the number ([`Error::Unplottable`]); nothing is left out.
 //!
 //! Colours are those of Okabe, Ito, *Color universal design* (2008), which colour-blind readers tell apart; markers and dashes tell series apart
 //! in grey. plotters draws the primitives; the axes are our own, because its charts have no minor ticks, powers of ten or outside legends.

@@ -48,6 +48,9 @@ pub struct Profile<'a> {
     points: Vec<Points>,
 }
 
+/// Points (x, y) of each of several series.
+type Lines = Vec<Vec<(f64, f64)>>;
+
 type Curve<'a> = Rc<dyn Fn(f64) -> f64 + 'a>;
 
 /// A series of estimates.
@@ -166,13 +169,13 @@ impl<'a> Profile<'a> {
         Ok(())
     }
 
-    fn sampled(&self) -> Result<Vec<Vec<(f64, f64)>>, Error> {
+    fn sampled(&self) -> Result<Lines, Error> {
         let at = |i: usize| self.interval.at(i as f64 / SAMPLES as f64);
         self.curves.iter().map(|(label, f)| (0..=SAMPLES).map(|i| finite(label, at(i), f(at(i)))).collect()).collect()
     }
 
     /// (x, deviation in standard errors) of every series; `None` without a curve to deviate from.
-    fn deviations(&self) -> Result<Option<Vec<Vec<(f64, f64)>>>, Error> {
+    fn deviations(&self) -> Result<Option<Lines>, Error> {
         if self.curves.is_empty() || self.points.is_empty() {
             return Ok(None);
         }
