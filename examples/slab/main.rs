@@ -14,6 +14,7 @@ mod pictures;
 mod report;
 mod truth;
 
+use fredholm::kernel::Operator;
 use fredholm::source::{Emit, SampleSource};
 use fredholm::transport::{CollisionTally, Histories, Slab, TrackTally};
 use fredholm::{Error, Estimate};
@@ -31,6 +32,8 @@ fn run<G>(options: &Options, slab: &Slab, source: G) -> Result<(), Error>
 where
     G: SampleSource<Point = f64, Value = f64> + Emit + Clone + 'static,
 {
+    slab.validate()?;
+    source.validate()?;
     let xs = options.points();
     report::heading(options);
     let truth = Truth::new(options, slab, &source, &xs)?;
@@ -38,6 +41,10 @@ where
 
     let methods = methods::all(slab, &source, options.seed)?;
     let samples = options.samples.unwrap_or_else(|| methods::affordable(slab, &truth));
+    if let Err(refusal @ Error::Divergent { .. }) = (methods[0].solve)(&xs, 1) {
+        println!("walks refused: {refusal}");
+        return Ok(());
+    }
     report::table_head(&xs, samples);
     let mut rows = Vec::new();
     for method in &methods {

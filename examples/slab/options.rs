@@ -6,7 +6,7 @@ const USAGE: &str = "usage: slab [--c RATIO] [--a THICKNESS] [--source uniform|r
 
 /// Where particles come from.
 #[derive(Clone, Copy, PartialEq)]
-pub enum SourceChoice {
+pub(crate) enum SourceChoice {
     /// S = 1.
     Uniform,
     /// S = x/a, a closure.
@@ -16,17 +16,17 @@ pub enum SourceChoice {
 }
 
 /// What to solve, and how long.
-pub struct Options {
-    pub ratio: f64,
-    pub thickness: f64,
-    pub source: SourceChoice,
-    pub samples: Option<u64>,
-    pub seed: u64,
-    pub plots: PathBuf,
+pub(crate) struct Options {
+    pub(crate) ratio: f64,
+    pub(crate) thickness: f64,
+    pub(crate) source: SourceChoice,
+    pub(crate) samples: Option<u64>,
+    pub(crate) seed: u64,
+    pub(crate) plots: PathBuf,
 }
 
 impl Options {
-    pub fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
+    pub(crate) fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Self, String> {
         let plots = PathBuf::from("target/plots");
         let mut options = Options { ratio: 0.9, thickness: 10.0, source: SourceChoice::Uniform, samples: None, seed: 0, plots };
         while let Some(name) = arguments.next() {
@@ -44,6 +44,9 @@ impl Options {
                 _ => return Err(format!("unknown option {name}\n{USAGE}")),
             }
         }
+        if options.samples.is_some_and(|n| n < 256) {
+            return Err("--samples: at least 256, or there is nothing to plot".to_string());
+        }
         if options.ratio == 0.0 {
             return Err("--c 0: nothing scatters, φ = S".to_string());
         }
@@ -51,7 +54,7 @@ impl Options {
     }
 
     /// Face, near the face, quarter, middle.
-    pub fn points(&self) -> Vec<f64> {
+    pub(crate) fn points(&self) -> Vec<f64> {
         [0.0, 0.1, 0.25, 0.5].map(|t| t * self.thickness).to_vec()
     }
 }

@@ -7,11 +7,16 @@ use crate::truth::Truth;
 use crate::{Row, methods};
 use fredholm::plot::{Comparison, Convergence, Profile};
 use fredholm::{Error, Estimate};
+use std::path::PathBuf;
 
-const SHOWN: [&str; 4] = ["collision, analog", "MIS balance, analog", "implicit capture, MIS", "uniform proposal, MIS"];
+const SHOWN: [&str; 4] = ["collision, analog*", "MIS balance, analog", "absorption, analog", "implicit capture, P = 4|W|"];
 
 fn shown<'a>(methods: &'a [Entry<'a>]) -> impl Iterator<Item = &'a methods::Entry<'a>> {
     methods.iter().filter(|m| SHOWN.contains(&m.name.as_str()))
+}
+
+fn save(options: &Options, name: &str, plot: impl Fn(PathBuf) -> Result<(), Error>) -> Result<(), Error> {
+    ["svg", "png"].into_iter().try_for_each(|extension| plot(options.plots.join(format!("slab-{name}.{extension}"))))
 }
 
 fn profile(options: &Options, truth: &Truth, methods: &[Entry], samples: u64) -> Result<(), Error> {
@@ -25,7 +30,7 @@ fn profile(options: &Options, truth: &Truth, methods: &[Entry], samples: u64) ->
     for method in shown(methods).take(2) {
         plot = plot.estimates(&method.name, &xs, &(method.solve)(&xs, samples / 8)?);
     }
-    plot.save(options.plots.join("slab-profile.svg"))
+    save(options, "profile", |path| plot.save(path))
 }
 
 /// Root mean square over the points of the relative error.
@@ -52,8 +57,8 @@ fn convergence(options: &Options, truth: &Truth, methods: &[Entry], samples: u64
         by_walks = by_walks.series(&method.name, walks);
         by_time = by_time.series(&method.name, times);
     }
-    by_walks.save(options.plots.join("slab-convergence.svg"))?;
-    by_time.save(options.plots.join("slab-convergence-time.svg"))
+    save(options, "convergence", |path| by_walks.save(path))?;
+    save(options, "convergence-time", |path| by_time.save(path))
 }
 
 fn efficiency(options: &Options, rows: &[Row]) -> Result<(), Error> {
@@ -65,13 +70,13 @@ fn efficiency(options: &Options, rows: &[Row]) -> Result<(), Error> {
             Err(_) => plot.missing(&row.name, "refused"),
         };
     }
-    plot.save(options.plots.join("slab-efficiency.svg"))
+    save(options, "efficiency", |path| plot.save(path))
 }
 
-pub fn draw(options: &Options, truth: &Truth, rows: &[Row], methods: &[Entry], samples: u64) -> Result<(), Error> {
+pub(crate) fn draw(options: &Options, truth: &Truth, rows: &[Row], methods: &[Entry], samples: u64) -> Result<(), Error> {
     profile(options, truth, methods, samples)?;
     convergence(options, truth, methods, samples)?;
     efficiency(options, rows)?;
-    println!("\nplots: {}/slab-{{profile,convergence,convergence-time,efficiency}}.svg", options.plots.display());
+    println!("\nplots: {}/slab-{{profile,convergence,convergence-time,efficiency}}.{{svg,png}}", options.plots.display());
     Ok(())
 }

@@ -3,10 +3,11 @@
 use crate::Row;
 use crate::options::{Options, SourceChoice};
 use crate::truth::Truth;
+use fredholm::statistics::Verdict;
 use fredholm::transport::{Flux, Outcome};
 use fredholm::{Error, Estimate};
 
-pub fn heading(options: &Options) {
+pub(crate) fn heading(options: &Options) {
     let source = match options.source {
         SourceChoice::Uniform => "S = 1".to_string(),
         SourceChoice::Ramp => "S = x/a".to_string(),
@@ -18,7 +19,7 @@ pub fn heading(options: &Options) {
     );
 }
 
-pub fn nystrom(truth: &Truth, xs: &[f64]) {
+pub(crate) fn nystrom(truth: &Truth, xs: &[f64]) {
     println!("{:28}{}", "", columns(xs, |x| format!("x = {x}")));
     if truth.stored {
         println!("{:28}{}", "stored reference", columns(&truth.values, |v| format!("{v:.14}")));
@@ -37,51 +38,56 @@ fn columns<T>(items: &[T], text: impl Fn(&T) -> String) -> String {
     items.iter().map(|i| format!("{:<20}", text(i))).collect()
 }
 
-pub fn table_head(xs: &[f64], samples: u64) {
-    let points: String = xs.iter().map(|x| format!("{:<13}{:>5}  ", format!("x = {x}"), "z")).collect();
+pub(crate) fn table_head(xs: &[f64], samples: u64) {
+    let points: String = xs.iter().map(|x| format!("{:<15}{:>5} ", format!("x = {x}"), "z")).collect();
     println!("{samples} walks a point{:1$}", "", 28usize.saturating_sub(format!("{samples} walks a point").len()));
     println!("{:28}{points}{:>9}{:>10}{:>10}", "method", "walks/s", "1/(V·W)", "1/(V·T)");
-    println!("{}", "─".repeat(28 + 20 * xs.len() + 29));
+    println!("{}", "─".repeat(28 + 21 * xs.len() + 29));
 }
 
 /// Walks a second, and the efficiencies at the last point: for each kernel evaluation and for each second of all points' walks.
-pub fn rates(estimates: &[Estimate]) -> Option<(f64, f64, f64)> {
+pub(crate) fn rates(estimates: &[Estimate]) -> Option<(f64, f64, f64)> {
     let last = estimates.last()?;
     let walks: u64 = estimates.iter().map(Estimate::samples).sum();
     let seconds = last.elapsed.as_secs_f64() / walks as f64;
     Some((1.0 / seconds, last.efficiency()?, 1.0 / (last.variance()? * seconds)))
 }
 
-pub fn row(row: &Row, truth: &[f64]) {
+pub(crate) fn row(row: &Row, truth: &[f64]) {
     let estimates = match &row.answer {
         Ok(estimates) => estimates,
         Err(error) => return println!("{:28}refused: {error}", row.name),
     };
     let cell = |(e, t): (&Estimate, &f64)| {
         let z = e.z_score(*t).map_or("–".to_string(), |z| format!("{z:+.1}"));
-        format!("{:<13}{z:>5}  ", e.to_string())
+        format!("{:<15}{z:>5} ", e.to_string())
     };
     let cells: String = estimates.iter().zip(truth).map(cell).collect();
     let (speed, per_evaluation, per_second) = rates(estimates).unwrap_or((f64::NAN, f64::NAN, f64::NAN));
     println!("{:28}{cells}{speed:>9.2e}{per_evaluation:>10.2e}{per_second:>10.2e}", row.name);
 }
 
-pub fn legend(rows: &[Row]) {
+pub(crate) fn legend(rows: &[Row]) {
     println!("value(standard error in the last digits); z = (value − reference)/error. At the last x: V variance of a walk,");
-    println!("W kernel evaluations a walk, T seconds a walk.");
+    println!(
+        "W kernel evaluations a walk, T seconds a walk. * The slab's own subcritical sampling: survival M(x), next point ∝ K, weights 1."
+    );
     for row in rows {
-        let Ok(estimates) = &row.answer else { continue };
-        let bounds = estimates.iter().filter_map(|e| e.truncation?.bias_bound);
+        let bounds = row.answer.iter().flatten().filter_map(|e| e.truncation?.bias_bound);
         if let Some(bound) = bounds.reduce(f64::max) {
             println!("{}: biased by at most {bound:.1e}, not part of the error.", row.name);
         }
-        if let Some(e) = estimates.iter().max_by_key(|e| e.verdict()).filter(|e| e.verdict() > fredholm::statistics::Verdict::Trustworthy) {
-            println!("{}: {}", row.name, e.verdict());
+    }
+    let worst = |row: &Row| row.answer.iter().flatten().map(Estimate::verdict).max();
+    for verdict in [Verdict::Doubtful, Verdict::NothingScored, Verdict::InfiniteVariance] {
+        let names: Vec<_> = rows.iter().filter(|r| worst(r) == Some(verdict)).map(|r| r.name.as_str()).collect();
+        if !names.is_empty() {
+            println!("{verdict}: {}", names.join("; "));
         }
     }
 }
 
-pub fn forward(truth: &Truth, run: Result<Outcome<(Flux, Flux)>, Error>) {
+pub(crate) fn forward(truth: &Truth, run: Result<Outcome<(Flux, Flux)>, Error>) {
     let run = match run {
         Ok(run) => run,
         Err(error) => return println!("\nforward histories refused: {error}"),

@@ -14,22 +14,22 @@ use std::time::{Duration, Instant};
 const STORED: [f64; 4] = [3.147_896_000_846_786, 6.321_120_372_334_265, 8.266_770_535_792_346, 9.135_261_726_293_376];
 
 /// The Nyström solution, and the values that z-scores refer to.
-pub struct Truth {
-    pub values: Vec<f64>,
-    pub stored: bool,
-    pub nystrom: Vec<f64>,
-    pub unknowns: usize,
+pub(crate) struct Truth {
+    pub(crate) values: Vec<f64>,
+    pub(crate) stored: bool,
+    pub(crate) nystrom: Vec<f64>,
+    pub(crate) unknowns: usize,
     /// ‖(I − T)⁻¹‖ × largest residual at the points
-    pub error: f64,
-    pub elapsed: Duration,
-    pub leakage: [f64; 2],
-    pub profile: Box<dyn Fn(f64) -> f64>,
+    pub(crate) error: f64,
+    pub(crate) elapsed: Duration,
+    pub(crate) leakage: [f64; 2],
+    pub(crate) profile: Box<dyn Fn(f64) -> f64>,
     source: Box<dyn Fn(f64) -> f64>,
     ratio: f64,
 }
 
 impl Truth {
-    pub fn new<G>(options: &Options, slab: &Slab, source: &G, xs: &[f64]) -> Result<Self, Error>
+    pub(crate) fn new<G>(options: &Options, slab: &Slab, source: &G, xs: &[f64]) -> Result<Self, Error>
     where
         G: SampleSource<Point = f64, Value = f64> + Clone + 'static,
     {
@@ -56,12 +56,12 @@ impl Truth {
     }
 
     /// ∫ S dx: particles born for each unit of time.
-    pub fn births(&self, a: f64) -> f64 {
+    pub(crate) fn births(&self, a: f64) -> f64 {
         unit_rule(32).iter().map(|n| a * n.weight * (self.source)(a * n.point)).sum()
     }
 
     /// Mean of the scalar flux (φ − S)/c between two depths.
-    pub fn mean_flux(&self, from: f64, to: f64) -> f64 {
+    pub(crate) fn mean_flux(&self, from: f64, to: f64) -> f64 {
         let flux = |x: f64| ((self.profile)(x) - (self.source)(x)) / self.ratio;
         unit_rule(8).iter().map(|n| n.weight * flux(from + (to - from) * n.point)).sum()
     }

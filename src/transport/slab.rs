@@ -77,7 +77,7 @@ impl Slab {
     }
 
     /// S from a closure, sampled uniformly.
-    pub fn source<F>(&self, s: F) -> SourceFn<Interval, impl Fn(&f64) -> f64 + Send + Sync + Clone, f64>
+    pub fn source<F>(&self, s: F) -> SourceFn<Interval, impl Fn(&f64) -> f64 + Send + Sync + Clone + use<F>, f64>
     where
         F: Fn(f64) -> f64 + Send + Sync + Clone,
     {
