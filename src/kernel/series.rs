@@ -9,6 +9,7 @@ use crate::deterministic::quadrature::unit_rule;
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
 use crate::sampling::{Pcg, Sequence};
+use crate::statistics::Moments;
 use crate::value::{Value, Weight};
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -41,13 +42,39 @@ pub enum Series<X> {
 /// |T| on coarse nodes.
 #[derive(Clone, Debug)]
 pub struct Discretised<X> {
+    fine: Level<X>,
+    /// half the nodes: the difference tells the error
+    coarse: Level<X>,
+    radius: Radius,
+    mass: f64,
+}
+
+#[derive(Clone, Debug)]
+struct Level<X> {
     nodes: Vec<Node<X>>,
     /// |K| in absolute components: block (i, j) is |K(x_i, y_j)| w_j
     matrix: DMatrix<f64>,
     /// rows of further places, the ends of the domain among them: a supremum over the nodes alone would miss them
     probes: DMatrix<f64>,
-    radius: Radius,
-    mass: f64,
+}
+
+impl<X: Point> Level<X> {
+    /// sup Σ_{n > depth} |T|ⁿ |g|.
+    fn remainder<V: Value>(&self, depth: u64, g: &impl Fn(&X) -> V) -> Option<f64> {
+        let source = DVector::from_iterator(
+            self.matrix.nrows(),
+            self.nodes.iter().flat_map(|n| {
+                let v = g(&n.point);
+                (0..V::COMPONENTS).map(move |i| v.component(i).abs())
+            }),
+        );
+        let identity = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
+        let mut rest = (identity - &self.matrix).lu().solve(&source)?;
+        for _ in 0..depth.min(100_000) {
+            rest = &self.matrix * rest;
+        }
+        Some((&self.matrix * &rest).amax().max((&self.probes * &rest).amax()))
+    }
 }
 
 impl<X: Point> Discretised<X> {
@@ -62,28 +89,13 @@ impl<X: Point> Discretised<X> {
     }
 
     /// sup over nodes, ends and further places of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)), widened by the
-    /// numerical uncertainty of the radius; `None` if the series diverges.
+    /// difference between two discretisations; `None` if the series diverges.
     pub fn truncation_bound<V: Value>(&self, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
         if self.radius.value >= 1.0 {
             return None;
         }
-        let source = DVector::from_iterator(
-            self.matrix.nrows(),
-            self.nodes.iter().flat_map(|n| {
-                let v = g(&n.point);
-                (0..V::COMPONENTS).map(move |i| v.component(i).abs())
-            }),
-        );
-        let identity = DMatrix::identity(self.matrix.nrows(), self.matrix.nrows());
-        let mut rest = (identity - &self.matrix).lu().solve(&source)?;
-        let depth = depth.min(100_000);
-        for _ in 0..depth {
-            rest = &self.matrix * rest;
-        }
-        let supremum = (&self.matrix * &rest).amax().max((&self.probes * &rest).amax());
-        let Radius { value, uncertainty } = self.radius;
-        let widened = if value > 0.0 { 1.0 + (depth + 1) as f64 * uncertainty / value } else { 1.0 };
-        Some(supremum * widened).filter(|b| b.is_finite())
+        let (fine, coarse) = (self.fine.remainder(depth, &g)?, self.coarse.remainder(depth, &g)?);
+        Some(fine.max(coarse) + (fine - coarse).abs()).filter(|b| b.is_finite())
     }
 }
 
@@ -100,10 +112,9 @@ pub(crate) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::P
     let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let budget = (UNKNOWNS / components.max(1) / kernel.domain().states()).max(12);
     let dimension = kernel.domain().dimension();
-    let ((nodes, matrix), radius) = if dimension > 4 { by_random_nodes(kernel, budget)? } else { by_rules(kernel, budget, dimension)? };
-    let mass = matrix.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
-    let probes = probe(kernel, &nodes);
-    Ok(Series::Known(Arc::new(Discretised { nodes, matrix, probes, radius, mass })))
+    let (fine, coarse, radius) = if dimension > 4 { by_random_nodes(kernel, budget)? } else { by_rules(kernel, budget, dimension)? };
+    let mass = fine.matrix.row_iter().map(|r| r.sum()).fold(0.0, f64::max);
+    Ok(Series::Known(Arc::new(Discretised { fine, coarse, radius, mass })))
 }
 
 /// Rows of |T| at places that are no nodes: next to the ends of every state and between, with the row mass as in the matrix.
@@ -119,7 +130,8 @@ fn probe<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>]) -> DMatrix
             axis += 1;
             // corners first where there are several coordinates
             let t = if domain.dimension() == 1 { step as f64 / (PLACES - 1) as f64 } else { (step >> ((axis - 1) % 4) & 1) as f64 };
-            t.clamp(END, 1.0 - END)
+            // far out on a half line the graded rule could not follow the kernel
+            t.clamp(END, if domain.volume().is_finite() { 1.0 - END } else { 1.0 - 1e-4 })
         });
         let x = x.point;
         let entry = |k: K::Weight, a, b| Some(k.entry(a, b).abs()).filter(|k| k.is_finite()).unwrap_or(0.0);
@@ -145,49 +157,45 @@ fn probe<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>]) -> DMatrix
     rows
 }
 
-type Coarse<X> = (Vec<Node<X>>, DMatrix<f64>);
+/// Two discretisations and the radius.
+type Levels<X> = (Level<X>, Level<X>, Radius);
 
 /// Tensor Gauss rules of three sizes without a common factor: where K jumps, the error depends on where the nodes fall, and two sizes can agree by luck.
-fn by_rules<K: Kernel + HasDomain>(kernel: &K, budget: usize, dimension: usize) -> Result<(Coarse<K::Point>, Radius), Error> {
+fn by_rules<K: Kernel + HasDomain>(kernel: &K, budget: usize, dimension: usize) -> Result<Levels<K::Point>, Error> {
     let orders = match dimension {
         1 => [budget, (5 * budget).div_ceil(8) + 1, 3 * budget / 8],
         2 => [19, 16, 11].map(|n| ((n * n * budget) as f64 / UNKNOWNS as f64).sqrt().max(4.0) as usize),
         3 => [7, 5, 4],
         _ => [4, 3, 2],
     };
-    let first = discretise(kernel, kernel.domain().rule(1, orders[0]))?;
-    let value = spectral_radius(&first.1);
-    let mut uncertainty = 1e-12 * value;
-    for order in &orders[1..] {
-        let (_, other) = discretise(kernel, kernel.domain().rule(1, *order))?;
-        uncertainty = f64::max(uncertainty, (spectral_radius(&other) - value).abs());
-    }
-    Ok((first, Radius { value, uncertainty }))
+    let [fine, coarse, third] = orders.map(|order| discretise(kernel, kernel.domain().rule(1, order)));
+    let (fine, coarse) = (fine?, coarse?);
+    let value = spectral_radius(&fine.matrix);
+    let change = |other: &Level<K::Point>| (spectral_radius(&other.matrix) - value).abs();
+    let uncertainty = change(&coarse).max(change(&third?)) + 1e-12 * value;
+    Ok((fine, coarse, Radius { value, uncertainty }))
 }
 
 /// Random nodes: the error of the radius is statistical, O(n^{−1/2}). The diagonal is left out, a product of *two* independent nodes; it would bias
 /// the radius upwards by ∫ K(x, x)/n.
-fn by_random_nodes<K: Kernel + HasDomain>(kernel: &K, budget: usize) -> Result<(Coarse<K::Point>, Radius), Error> {
+fn by_random_nodes<K: Kernel + HasDomain>(kernel: &K, budget: usize) -> Result<Levels<K::Point>, Error> {
     let count = (budget + budget / 3).max(32);
-    let mut radii = Vec::new();
-    let mut first = None;
-    for replicate in 0..REPLICATES {
+    let replicate = |replicate: u32| {
         let node = |i: usize| {
             let n = kernel.domain().sample(&mut Pcg::default().point(u64::MAX, replicate, i as u64));
             Node { point: n.point, weight: n.weight / (count - 1) as f64 }
         };
-        let coarse = discretise(kernel, (0..count).map(node).collect())?;
-        radii.push(spectral_radius(&coarse.1));
-        first.get_or_insert(coarse);
-    }
-    let n = f64::from(REPLICATES);
-    let value = radii.iter().sum::<f64>() / n;
-    let variance = radii.iter().map(|r| (r - value).powi(2)).sum::<f64>() / (n - 1.0);
-    let coarse = first.expect("at least one replicate");
-    Ok((coarse, Radius { value, uncertainty: SIGMAS * (variance / n).sqrt() + 1e-12 * value }))
+        discretise(kernel, (0..count).map(node).collect())
+    };
+    let mut levels = (0..REPLICATES).map(replicate).collect::<Result<Vec<_>, _>>()?;
+    let radii: Vec<f64> = levels.iter().map(|level| spectral_radius(&level.matrix)).collect();
+    let moments = Moments::from_scores(&radii);
+    let uncertainty = SIGMAS * moments.std_error().unwrap_or(f64::INFINITY) + 1e-12 * moments.mean;
+    let (fine, coarse) = (levels.swap_remove(0), levels.swap_remove(0));
+    Ok((fine, coarse, Radius { value: moments.mean, uncertainty }))
 }
 
-fn discretise<K: Kernel + HasDomain>(kernel: &K, nodes: Vec<Node<K::Point>>) -> Result<Coarse<K::Point>, Error> {
+fn discretise<K: Kernel + HasDomain>(kernel: &K, nodes: Vec<Node<K::Point>>) -> Result<Level<K::Point>, Error> {
     let domain = kernel.domain();
     let random = domain.dimension() > 4;
     let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
@@ -214,7 +222,8 @@ fn discretise<K: Kernel + HasDomain>(kernel: &K, nodes: Vec<Node<K::Point>>) -> 
             keep_row_mass(kernel, &nodes, i, &mut matrix)?;
         }
     }
-    Ok((nodes, matrix))
+    let probes = probe(kernel, &nodes);
+    Ok(Level { nodes, matrix, probes })
 }
 
 fn same_place<D: Domain>(domain: &D, x: &D::Point, y: &D::Point) -> bool {
