@@ -27,8 +27,9 @@ type Solve<'a> = &'a dyn Fn(u64, u64) -> Result<Estimate, Error>;
 fn errors(samples: u64, repetitions: u64, solve: Solve<'_>) -> Result<Vec<Point>, Error> {
     let at = |n: u64| {
         let (mut squares, mut seconds) = (0.0, Vec::new());
-        for seed in 1..=repetitions {
-            let f = solve(n, seed)?;
+        for repetition in 1..=repetitions {
+            // no seed twice: errors that share walks would make the slope look better known than it is
+            let f = solve(n, n * repetitions + repetition)?;
             squares += (f.value - EXACT).powi(2);
             seconds.push(f.elapsed.as_secs_f64());
         }

@@ -5,7 +5,8 @@ use crate::error::Error;
 /// Least-squares line through (ln cost, ln error): error ≈ constant · cost^slope.
 ///
 /// The standard errors are those of ordinary least squares, s²(XᵀX)⁻¹ with n − 2 degrees of freedom (Draper, Smith, *Applied regression
-/// analysis*, 3rd ed. 1998, §1.4): they hold for errors of equal relative spread, such as root mean squares over equally many repetitions.
+/// analysis*, 3rd ed. 1998, §1.4): they hold for independent errors of equal relative spread, such as root
+/// mean squares over equally many repetitions, with seeds of their own at every cost.
 ///
 /// ```
 /// use fredholm::statistics::Rate;
