@@ -54,12 +54,14 @@ impl Slab {
 
     /// a.
     #[inline]
+    #[must_use]
     pub fn thickness(&self) -> f64 {
         self.domain.upper()
     }
 
     /// c.
     #[inline]
+    #[must_use]
     pub fn ratio(&self) -> f64 {
         self.ratio
     }
@@ -85,7 +87,6 @@ impl Slab {
     }
 
     /// The same kernel, walked without capture: survival biasing.
-    #[must_use]
     pub fn implicit_capture(&self) -> ImplicitCapture {
         ImplicitCapture::new(self.clone())
     }
@@ -107,7 +108,7 @@ impl Slab {
     #[inline]
     pub(super) fn scatter<S: Sampler>(&self, u: &mut S) -> Option<f64> {
         let v = u.next_1d();
-        (v < self.survival).then(|| v * self.spread - 1.0)
+        (v < self.survival).then_some(v * self.spread - 1.0)
     }
 
     /// Where a flight of cosine μ from x ends, if inside.

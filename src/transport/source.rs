@@ -73,6 +73,7 @@ impl BeamSource {
     }
 
     /// μ₀.
+    #[must_use]
     pub fn cosine(&self) -> f64 {
         self.cosine
     }

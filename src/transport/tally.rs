@@ -38,34 +38,40 @@ impl Grid {
 
     /// Number of bins.
     #[inline]
+    #[must_use]
     pub fn bins(&self) -> usize {
         self.bins
     }
 
     /// Δ.
     #[inline]
+    #[must_use]
     pub fn width(&self) -> f64 {
         self.width
     }
 
     /// The bin of x ∈ [0, a].
     #[inline]
+    #[must_use]
     pub fn bin(&self, x: f64) -> usize {
         ((x * self.per_length) as usize).min(self.bins - 1)
     }
 
     /// Left end of bin `i`; the right end of the last bin is `edge(bins)`.
     #[inline]
+    #[must_use]
     pub fn edge(&self, i: usize) -> f64 {
         i as f64 * self.width
     }
 
     /// Middle of bin `i`.
+    #[must_use]
     pub fn centre(&self, i: usize) -> f64 {
         (i as f64 + 0.5) * self.width
     }
 
     /// a.
+    #[must_use]
     pub fn thickness(&self) -> f64 {
         self.thickness
     }
@@ -121,16 +127,19 @@ pub struct Flux {
 
 impl Flux {
     /// The bins' places.
+    #[must_use]
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
     /// Φ of every bin. The scores behind an estimate are the batches' means, so `samples()` counts batches.
+    #[must_use]
     pub fn bins(&self) -> &[Estimate] {
         &self.bins
     }
 
     /// Mean over the bins of the relative variance of Φ: the σ² of the figure of merit 1/(σ²T). `None` with one batch, or where nothing scored.
+    #[must_use]
     pub fn relative_variance(&self) -> Option<f64> {
         let one = |e: &Estimate| e.std_error.map(|s| (s / e.value).powi(2)).filter(|v| v.is_finite());
         let sum: Option<f64> = self.bins.iter().map(one).sum();
