@@ -88,14 +88,14 @@ impl<X: Point> Discretised<X> {
         self.mass
     }
 
-    /// sup over nodes, ends and further places of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)), widened by the
-    /// difference between two discretisations; `None` if the series diverges.
+    /// sup over nodes, ends and further places of Σ_{n > depth} |T|ⁿ |g|, the bias of walks cut at `depth` (theory (4.2.3)), widened by twice
+    /// the difference between two discretisations; `None` if the series diverges.
     pub fn truncation_bound<V: Value>(&self, depth: u64, g: impl Fn(&X) -> V) -> Option<f64> {
         if self.radius.value >= 1.0 {
             return None;
         }
         let (fine, coarse) = (self.fine.remainder(depth, &g)?, self.coarse.remainder(depth, &g)?);
-        Some(fine.max(coarse) + (fine - coarse).abs()).filter(|b| b.is_finite())
+        Some(fine.max(coarse) + 2.0 * (fine - coarse).abs()).filter(|b| b.is_finite())
     }
 }
 

@@ -17,19 +17,17 @@ pub const SUITE: f64 = 1e-6;
 /// Statistical assertions, by test. The level of each is that of the sum.
 const REGISTERED: &[(&str, u32)] = &[
     ("zoo::line", 1100),
-    ("zoo::line::bias bound", 60),
-    ("zoo::subcritical", 120),
-    ("zoo::matrix", 60),
-    ("zoo::grouped", 60),
+    ("zoo::subcritical", 56),
+    ("zoo::matrix", 24),
+    ("zoo::grouped", 18),
     ("zoo::cube", 60),
-    ("zoo::functionals", 60),
-    ("zoo::near-critical", 20),
-    ("statistics::coverage", 40),
-    ("statistics::stopping", 10),
-    ("statistics::p-values", 40),
-    ("errata::walks", 60),
-    ("errata::mutants", 60),
-    ("errata::chains", 60),
+    ("zoo::functionals", 15),
+    ("zoo::near-critical", 2),
+    ("statistics::coverage", 12),
+    ("statistics::stopping", 3),
+    ("statistics::p-values", 6),
+    ("errata::mutants", 15),
+    ("errata::chains", 20),
 ];
 
 /// The share of one test.
