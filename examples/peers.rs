@@ -9,6 +9,8 @@
 //!
 //! Prints one comma-separated line a run: name, fredholm, variant, threads, samples, best and median seconds, rates, results.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 use fredholm::domain::Interval;
 use fredholm::kernel::{Operator, Step, Transition};
 use fredholm::sampling::Sampler;

@@ -64,7 +64,9 @@ fn check(what: &str, e: &Estimate, truth: f64, precision: f64) {
     assert!(se <= precision * truth.abs(), "{what}: standard error {se} says too little about {truth}");
 }
 
-fn check_all<G, K>(r: &Reference, eq: &Equation<G, K>, methods: &[(&str, &dyn Method<G, K, Points<f64>, Solution = Vec<Estimate>>)])
+type Solver<'a, G, K> = &'a dyn Method<G, K, Points<f64>, Solution = Vec<Estimate>>;
+
+fn check_all<G, K>(r: &Reference, eq: &Equation<G, K>, methods: &[(&str, Solver<'_, G, K>)])
 where
     G: Source<Point = f64, Value = f64>,
     K: Operator<Point = f64, Weight = f64>,
@@ -204,39 +206,30 @@ fn a_step_follows_the_kernel() {
     }
 }
 
+/// Points in the slab [0, 3] with weight 1/pdf, and the mean that their density has.
+fn sampling_laws(source: &(impl SampleSource<Point = f64> + Emit), mean: f64) {
+    let sample = |i: u64| {
+        let n = source.sample_for(&1.0, &mut Pcg::new(1).point(0, 0, i)).unwrap();
+        assert!((n.weight * source.pdf_for(&1.0, &n.point) - 1.0).abs() < 1e-12 && (0.0..=3.0).contains(&n.point));
+        n.point
+    };
+    let births = |i: u64| source.emit(&mut Pcg::new(2).point(0, 0, i)).point;
+    for points in [(0..50_000).map(sample).collect::<Vec<_>>(), (0..50_000).map(births).collect()] {
+        let m = Moments::from_scores(&points);
+        assert!((m.mean - mean).abs() < SIGMAS * m.std_error().unwrap(), "mean {} instead of {mean}", m.mean);
+    }
+}
+
 #[test]
 fn sources_are_sampled_exactly() {
     let slab = Slab::new(3.0).scattering(0.5);
-    let source_laws = |mass: f64, mean: f64, g: &dyn Fn(&mut dyn FnMut(f64, f64, f64), u64)| {
-        let (mut points, mut weights) = (Vec::new(), Vec::new());
-        (0..50_000).for_each(|i| {
-            g(
-                &mut |y, weight, pdf| {
-                    assert!((weight * pdf - 1.0).abs() < 1e-12 && (0.0..=3.0).contains(&y));
-                    points.push(y);
-                },
-                i,
-            );
-        });
-        weights.push(mass);
-        let m = Moments::from_scores(&points);
-        assert!((m.mean - mean).abs() < SIGMAS * m.std_error().unwrap());
-    };
     let beam = slab.beam(0.5);
-    let sample_beam = |push: &mut dyn FnMut(f64, f64, f64), i: u64| {
-        let n = beam.sample_for(&1.0, &mut Pcg::new(1).point(0, 0, i)).unwrap();
-        push(n.point, n.weight, beam.pdf_for(&1.0, &n.point));
-    };
     let tail = (-6.0f64).exp();
-    source_laws(0.5 * (1.0 - tail), 0.5 - 3.0 * tail / (1.0 - tail), &sample_beam);
+    sampling_laws(&beam, 0.5 - 3.0 * tail / (1.0 - tail));
     let emitted = beam.emit(&mut Pcg::new(1).point(0, 0, 0));
     assert!((emitted.weight - 0.5 * (1.0 - tail)).abs() < 1e-15);
     let uniform = slab.uniform(2.0);
-    let sample_uniform = |push: &mut dyn FnMut(f64, f64, f64), i: u64| {
-        let n = uniform.sample_for(&1.0, &mut Pcg::new(1).point(0, 0, i)).unwrap();
-        push(n.point, n.weight, uniform.pdf_for(&1.0, &n.point));
-    };
-    source_laws(6.0, 1.5, &sample_uniform);
+    sampling_laws(&uniform, 1.5);
     assert_eq!(uniform.emit(&mut Pcg::new(1).point(0, 0, 0)).weight, 6.0);
     // a closure is born uniformly, with weight S/q₀
     let birth = slab.source(|x| 1.0 + x).emit(&mut Pcg::new(1).point(0, 0, 0));

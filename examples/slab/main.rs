@@ -8,6 +8,8 @@
 //!
 //! E₁ is infinite at y = x. Walks sample that singularity exactly by flying as particles do; Nyström integrates it on graded panels.
 
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
 mod methods;
 mod options;
 mod pictures;
