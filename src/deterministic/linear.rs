@@ -35,8 +35,7 @@ impl Factor {
             factor.rcond = 1.0 / (norm * inverse_one);
             factor.inverse_norm = norm_estimate(n, |v| factor.solve_transposed(v), |v| factor.solve(v));
         }
-        // `!(>)`: NaN is singular too
-        if !(factor.rcond > SINGULAR) {
+        if factor.rcond.is_nan() || factor.rcond <= SINGULAR {
             return Err(Error::Singular { rcond: factor.rcond, unknowns: n });
         }
         Ok(factor)

@@ -3,15 +3,25 @@
 //! | | what | formula |
 //! |---|---|---|
 //! | [`Nystrom`] | f everywhere, by a quadrature rule | f(x) = g(x) + Σ w_j K(x, y_j) f_j |
+//! | [`Factorised`] | many sources for one kernel | (I − T)⁻¹ kept as L U |
+//! | [`Galerkin`] | f in the space of hat functions | ⟨φ_i, f_h − T f_h⟩ = ⟨φ_i, g⟩ |
+//! | [`eigenvalues`], [`spectral_radius`] | when Σ Tⁿ converges | det(λ − T_n) = 0 |
+//! | [`Equation::predict`](crate::Equation::predict) | variance and cost of a walk before it starts | σ² = ν + (K²/π) σ² |
 
 mod adaptive;
 mod basis;
+mod galerkin;
 mod grid;
 mod linear;
 mod near;
 mod nystrom;
 pub mod quadrature;
 mod solution;
+mod spectrum;
+mod variance;
 
+pub use galerkin::{Galerkin, GalerkinSolution};
 pub use nystrom::{Factorised, Nystrom};
 pub use solution::NystromSolution;
+pub use spectrum::{eigenvalues, spectral_radius};
+pub use variance::{PredictedVariance, Prediction};

@@ -21,8 +21,10 @@ pub struct NystromSolution<G: Source, K: Operator> {
     values: Vec<G::Value>,
     error: Option<f64>,
     evaluations: u64,
-    check: OnceLock<Result<Check<K::Point, G::Value>, Error>>,
+    check: OnceLock<Checked<K::Point, G::Value>>,
 }
+
+type Checked<X, V> = Result<Check<X, V>, Error>;
 
 /// f_n on the nodes of a rule that shares none with the solve.
 #[derive(Clone, Debug)]

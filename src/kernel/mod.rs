@@ -24,8 +24,8 @@ mod tabulated;
 
 pub use closure::{KernelFn, kernel_fn};
 pub use proposal::{Proposal, Proposed, Uniform};
-pub(crate) use series::series_of;
 pub use series::{Discretised, Radius, Series};
+pub(crate) use series::{gelfand, series_of};
 pub use step::{Density, Step};
 pub use tabulated::Tabulated;
 

@@ -148,7 +148,7 @@ fn probe<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>]) -> DMatrix
             let distance = |j: &usize| (domain.coordinate(&nodes[*j].point, 0) - domain.coordinate(&x, 0)).abs();
             let Some(near) = block.clone().min_by(|a, b| distance(a).total_cmp(&distance(b))) else { continue };
             // where the graded rule meets a kernel that is not finite, the nodes' own values stand
-            for (e, exact) in graded_mass(kernel, &x, state).unwrap_or_default().iter().enumerate() {
+            for (e, exact) in graded_mass(kernel, &x, state, MASS_ORDERS[0]).unwrap_or_default().iter().enumerate() {
                 let seen: f64 = block.clone().map(|j| rows[(c * i + e / c, c * j + e % c)]).sum();
                 rows[(c * i + e / c, c * near + e % c)] += (exact - seen).max(0.0);
             }
@@ -168,11 +168,11 @@ fn by_rules<K: Kernel + HasDomain>(kernel: &K, budget: usize, dimension: usize) 
         3 => [7, 5, 4],
         _ => [4, 3, 2],
     };
-    let [fine, coarse, third] = orders.map(|order| discretise(kernel, kernel.domain().rule(1, order)));
-    let (fine, coarse) = (fine?, coarse?);
+    let level = |i: usize| discretise(kernel, kernel.domain().rule(1, orders[i]), MASS_ORDERS[i]);
+    let (fine, coarse, third) = (level(0)?, level(1)?, level(2)?);
     let value = spectral_radius(&fine.matrix);
     let change = |other: &Level<K::Point>| (spectral_radius(&other.matrix) - value).abs();
-    let uncertainty = change(&coarse).max(change(&third?)) + 1e-12 * value;
+    let uncertainty = (ROW_MASS * value).max(change(&coarse)).max(change(&third));
     Ok((fine, coarse, Radius { value, uncertainty }))
 }
 
@@ -185,7 +185,7 @@ fn by_random_nodes<K: Kernel + HasDomain>(kernel: &K, budget: usize) -> Result<L
             let n = kernel.domain().sample(&mut Pcg::default().point(u64::MAX, replicate, i as u64));
             Node { point: n.point, weight: n.weight / (count - 1) as f64 }
         };
-        discretise(kernel, (0..count).map(node).collect())
+        discretise(kernel, (0..count).map(node).collect(), MASS_ORDERS[0])
     };
     let mut levels = (0..REPLICATES).map(replicate).collect::<Result<Vec<_>, _>>()?;
     let radii: Vec<f64> = levels.iter().map(|level| spectral_radius(&level.matrix)).collect();
@@ -195,7 +195,7 @@ fn by_random_nodes<K: Kernel + HasDomain>(kernel: &K, budget: usize) -> Result<L
     Ok((fine, coarse, Radius { value: moments.mean, uncertainty }))
 }
 
-fn discretise<K: Kernel + HasDomain>(kernel: &K, nodes: Vec<Node<K::Point>>) -> Result<Level<K::Point>, Error> {
+fn discretise<K: Kernel + HasDomain>(kernel: &K, nodes: Vec<Node<K::Point>>, mass_order: usize) -> Result<Level<K::Point>, Error> {
     let domain = kernel.domain();
     let random = domain.dimension() > 4;
     let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
@@ -219,7 +219,7 @@ fn discretise<K: Kernel + HasDomain>(kernel: &K, nodes: Vec<Node<K::Point>>) -> 
             }
         }
         if domain.dimension() == 1 {
-            keep_row_mass(kernel, &nodes, i, &mut matrix)?;
+            keep_row_mass(kernel, &nodes, i, mass_order, &mut matrix)?;
         }
     }
     let probes = probe(kernel, &nodes);
@@ -232,16 +232,26 @@ fn same_place<D: Domain>(domain: &D, x: &D::Point, y: &D::Point) -> bool {
 
 /// Pieces of a row towards the diagonal, each a quarter of the one before: down to 10⁻¹¹ of the domain.
 const LEVELS: usize = 18;
+/// Gauss nodes a piece for the three discretisations: a kink off the diagonal, where K changes sign, must not bias all of them alike.
+const MASS_ORDERS: [usize; 3] = [8, 7, 6];
+/// Relative error of a graded row mass.
+const ROW_MASS: f64 = 1e-7;
 
 /// Sets the entries at y = x_i so that each (state, component) block of row i has its exact mass.
-fn keep_row_mass<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>], i: usize, matrix: &mut DMatrix<f64>) -> Result<(), Error> {
+fn keep_row_mass<K: Kernel + HasDomain>(
+    kernel: &K,
+    nodes: &[Node<K::Point>],
+    i: usize,
+    order: usize,
+    matrix: &mut DMatrix<f64>,
+) -> Result<(), Error> {
     let domain = kernel.domain();
     let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let per_state = nodes.len() / domain.states();
     for state in 0..domain.states() {
         // the node of this state at the same place as x_i
         let j = state * per_state + i % per_state;
-        for (e, exact) in graded_mass(kernel, &nodes[i].point, state)?.iter().enumerate() {
+        for (e, exact) in graded_mass(kernel, &nodes[i].point, state, order)?.iter().enumerate() {
             let (row, column) = (c * i + e / c, c * j + e % c);
             let others: f64 = (state * per_state..(state + 1) * per_state).filter(|&l| l != j).map(|l| matrix[(row, c * l + e % c)]).sum();
             // a coarse rule can overshoot a narrow peak; a negative entry would leave the cone of |T|
@@ -252,11 +262,11 @@ fn keep_row_mass<K: Kernel + HasDomain>(kernel: &K, nodes: &[Node<K::Point>], i:
 }
 
 /// ∫ |K(x, y)| dμ(y) over one state, entry by entry, by a rule graded towards y = x.
-fn graded_mass<K: Kernel + HasDomain>(kernel: &K, x: &K::Point, state: usize) -> Result<Vec<f64>, Error> {
+fn graded_mass<K: Kernel + HasDomain>(kernel: &K, x: &K::Point, state: usize, order: usize) -> Result<Vec<f64>, Error> {
     let domain = kernel.domain();
     let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let t = domain.coordinate(x, 0);
-    let rule = unit_rule(6);
+    let rule = unit_rule(order);
     let mut exact = vec![0.0; c * c];
     for (end, span) in [(-1.0, t), (1.0, 1.0 - t)] {
         let mut outer = span;
@@ -303,7 +313,7 @@ fn spectral_radius(a: &DMatrix<f64>) -> f64 {
 /// ρ = lim ‖A^m‖^{1/m} by repeated squaring, m up to 2³²: right whatever the Jordan form.
 ///
 /// Once A^m, normalised, has rank one, squaring multiplies it by its trace for ever, and the rest of the limit is a geometric series.
-fn gelfand(mut a: DMatrix<f64>) -> f64 {
+pub(crate) fn gelfand(mut a: DMatrix<f64>) -> f64 {
     let (mut log, mut power) = (0.0, 1.0f64);
     let mut last = f64::NAN;
     for _ in 0..32 {

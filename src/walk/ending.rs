@@ -62,6 +62,12 @@ pub trait Ending<K: Operator>: Copy + Debug + Send + Sync + 'static {
         true
     }
 
+    /// P(x) where survival depends on the place alone: what the variance can be predicted for (theory §4.3).
+    fn survival_at(&self, kernel: &K, x: &K::Point) -> Option<f64> {
+        let _ = (kernel, x);
+        None
+    }
+
     /// Refuses probabilities outside (0, 1] and the like.
     ///
     /// # Errors
@@ -128,6 +134,13 @@ impl<K: Operator> Ending<K> for Roulette {
         }
     }
 
+    fn survival_at(&self, _: &K, _: &K::Point) -> Option<f64> {
+        match self.rule {
+            Rule::Constant(p) if self.after == 0 => Some(p),
+            _ => None,
+        }
+    }
+
     fn always_may_end(&self) -> bool {
         self.after == 0 && matches!(self.rule, Rule::Constant(p) if p < 1.0)
     }
@@ -170,6 +183,9 @@ impl<K: Operator> Ending<K> for OwnAbsorption {
     fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> Survival {
         Survival::Certain
     }
+    fn survival_at(&self, _: &K, _: &K::Point) -> Option<f64> {
+        Some(1.0)
+    }
     fn ends(&self) -> bool {
         false
     }
@@ -187,5 +203,9 @@ impl<K: RowMass> Ending<K> for Subcritical {
         let mass = kernel.mass(x);
         // a mass that is NaN or negative is no probability: the driver refuses it with the place
         if mass >= 1.0 { Survival::Certain } else { Survival::with_probability(mass) }
+    }
+
+    fn survival_at(&self, kernel: &K, x: &K::Point) -> Option<f64> {
+        Some(kernel.mass(x).min(1.0))
     }
 }

@@ -143,6 +143,11 @@ impl<C, E, Q> Walk<C, E, Q> {
         self.ending(FixedDepth(depth))
     }
 
+    /// How walks end.
+    pub(crate) fn ends_by(&self) -> &E {
+        &self.ending
+    }
+
     /// Draws from another sequence.
     pub fn sequence<R: Sequence>(self, sequence: R) -> Walk<C, E, R> {
         let Walk { scoring, ending, samples, max_steps, divergence, .. } = self;
