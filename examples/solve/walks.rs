@@ -4,7 +4,9 @@ use crate::options::{Options, WalkMethod};
 use crate::report::{Comparison, Outcome};
 use fredholm::domain::{Cuboid, Domain};
 use fredholm::formula::Stated;
-use fredholm::kernel::{Absorbing, HasDomain, Kernel, Operator, Radius, Series, Transition, TransitionPdf};
+use fredholm::kernel::{
+    Absorbing, HasDomain, Kernel, Operator, Proposed, Radius, RowMass, Series, Transition, TransitionPdf, Uniform, kernel_fn,
+};
 use fredholm::source::SampleSource;
 use fredholm::statistics::Verdict;
 use fredholm::walk::{Ending, Heuristic, Roulette, Scoring};
@@ -12,18 +14,36 @@ use fredholm::{Equation, Error, Estimate, Walk};
 use std::time::Instant;
 
 /// Cells of the tables that proposals and sources are drawn from.
-const CELLS: usize = 64;
+const CELLS: usize = 128;
+/// Largest survival probability of a constant roulette: 200 steps a walk.
+const MOST_SURVIVAL: f64 = 0.995;
 /// Deepest fixed depth.
-const DEEPEST: u64 = 64;
+const DEEPEST: u64 = 256;
+
+/// Why a method was not used, in words.
+struct Refusal(String);
+
+impl From<Error> for Refusal {
+    fn from(e: Error) -> Self {
+        Refusal(e.to_string())
+    }
+}
+
+type Found = Result<Vec<Comparison>, Refusal>;
 
 /// Every walk asked for, with proposals tabulated from the kernel and the source.
 pub(crate) fn on_a_line<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
     let table = stated.equation().tabulated(CELLS).and_then(|eq| eq.tabulated_source(CELLS));
+    let runner = Runner { stated, options };
+    let spread = table.as_ref().map_err(Clone::clone).and_then(|eq| squared(eq.kernel(), |_| 1.0));
     each(options, |method| {
-        let (eq, runner) = (table.as_ref().map_err(Clone::clone)?, Runner { stated, options });
+        let (eq, spread) = (table.as_ref().map_err(Clone::clone)?, spread.clone()?);
         match method {
-            WalkMethod::Subcritical => runner.run(eq, &Walk::subcritical()),
-            other => runner.common(eq, other),
+            WalkMethod::Subcritical => {
+                finite(squared(eq.kernel(), |x| eq.kernel().mass(x).min(1.0))?)?;
+                runner.run(eq, &Walk::subcritical())
+            }
+            other => runner.common(eq, spread, other),
         }
     })
 }
@@ -31,13 +51,14 @@ pub(crate) fn on_a_line<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec
 /// Every walk asked for, with uniform proposals.
 pub(crate) fn in_a_box<const D: usize>(stated: &Stated<Cuboid<D>>, options: &Options) -> Vec<Outcome> {
     let eq = stated.equation();
-    each(options, |method| Runner { stated, options }.common(&eq, method))
+    let spread = squared(eq.kernel(), |_| 1.0);
+    each(options, |method| Runner { stated, options }.common(&eq, spread.clone()?, method))
 }
 
-fn each(options: &Options, solve: impl Fn(WalkMethod) -> Result<Vec<Comparison>, Error>) -> Vec<Outcome> {
+fn each(options: &Options, solve: impl Fn(WalkMethod) -> Found) -> Vec<Outcome> {
     let one = |&(name, method): &(&'static str, WalkMethod)| {
         let clock = Instant::now();
-        let result = solve(method).map_err(|e| e.to_string());
+        let result = solve(method).map_err(|Refusal(why)| why);
         Outcome { method: name, seconds: clock.elapsed().as_secs_f64(), result }
     };
     options.walks.iter().map(one).collect()
@@ -49,29 +70,33 @@ struct Runner<'a, D: Domain> {
 }
 
 impl<D: Domain> Runner<'_, D> {
-    fn common<G, K>(&self, eq: &Equation<G, K>, method: WalkMethod) -> Result<Vec<Comparison>, Error>
+    /// `spread` is the spectral radius of K²/p.
+    fn common<G, K>(&self, eq: &Equation<G, K>, spread: Radius, method: WalkMethod) -> Found
     where
         G: SampleSource<Point = D::Point, Value = f64>,
         K: Kernel + TransitionPdf + Absorbing + HasDomain + Operator<Point = D::Point, Weight = f64>,
     {
+        if method == WalkMethod::FixedDepth {
+            return self.run(eq, &Walk::fixed_depth(depth(radius(eq.kernel())?, spread)?));
+        }
+        finite(spread)?;
         let mis = |heuristic| Walk::mis().heuristic(heuristic);
         match method {
-            WalkMethod::Collision => self.run(eq, &Walk::collision()),
-            WalkMethod::Roulette => self.run(eq, &Walk::collision().roulette(constant(radius(eq)?))),
-            WalkMethod::FixedDepth => self.run(eq, &Walk::fixed_depth(depth(radius(eq)?)?)),
-            WalkMethod::Absorption => self.run(eq, &Walk::absorption().roulette(constant(radius(eq)?))),
+            WalkMethod::Roulette => self.run(eq, &Walk::collision().roulette(constant(spread)?)),
+            WalkMethod::Absorption => self.run(eq, &Walk::absorption().roulette(constant(spread)?)),
             WalkMethod::NextEvent => self.run(eq, &Walk::next_event()),
             WalkMethod::Mis => self.run(eq, &Walk::mis()),
             WalkMethod::MisPower => self.run(eq, &mis(Heuristic::Power(2.0))),
             WalkMethod::MisMaximum => self.run(eq, &mis(Heuristic::Maximum)),
             WalkMethod::MisAverage => self.run(eq, &mis(Heuristic::Average)),
+            WalkMethod::Collision | WalkMethod::FixedDepth => self.run(eq, &Walk::collision()),
             WalkMethod::Subcritical => {
-                Err(Error::Formula("subcritical walks need the row mass ∫|K|, which is measured on one-dimensional domains only".into()))
+                Err(Refusal("subcritical walks need the row mass ∫|K|, which is measured on one-dimensional domains only".into()))
             }
         }
     }
 
-    fn run<G, K, C, E>(&self, eq: &Equation<G, K>, walk: &Walk<C, E>) -> Result<Vec<Comparison>, Error>
+    fn run<G, K, C, E>(&self, eq: &Equation<G, K>, walk: &Walk<C, E>) -> Found
     where
         G: SampleSource<Point = D::Point, Value = f64>,
         K: Transition + Operator<Point = D::Point, Weight = f64>,
@@ -112,8 +137,9 @@ fn comparison(estimate: &Estimate<f64>, label: &str, reference: Option<f64>) -> 
     }
 }
 
-fn radius<G: SampleSource<Value = f64>, K: Operator<Point = G::Point, Weight = f64>>(eq: &Equation<G, K>) -> Result<Radius, Error> {
-    match eq.kernel().series()? {
+/// Spectral radius of |T|; refused where the series diverges.
+fn radius<K: Operator>(kernel: &K) -> Result<Radius, Error> {
+    match kernel.series()? {
         Series::Known(s) if s.radius().diverges() => {
             Err(Error::Divergent { radius: s.radius().value, uncertainty: s.radius().uncertainty })
         }
@@ -122,15 +148,48 @@ fn radius<G: SampleSource<Value = f64>, K: Operator<Point = G::Point, Weight = f
     }
 }
 
-/// Survival between ρ and 1: the variance is finite if ρ(K²/(P·p)) < 1, and with p ∝ |K| that radius is near ρ²/P.
-fn constant(radius: Radius) -> Roulette {
-    Roulette::constant((0.5 * (1.0 + radius.value)).clamp(0.5, 0.9995))
+/// Spectral radius of K²/(P·p), which must be below 1 for a finite variance (theory (4.3.1)), where walks survive with probability P(x).
+fn squared<K>(kernel: &K, survival: impl Fn(&K::Point) -> f64 + Send + Sync) -> Result<Radius, Error>
+where
+    K: Kernel + TransitionPdf + HasDomain + Operator<Weight = f64>,
+{
+    radius(kernel)?;
+    let square = kernel_fn(kernel.domain().clone(), |x: &K::Point, y: &K::Point| {
+        let k = kernel.eval(x, y);
+        if k == 0.0 { 0.0 } else { k * k / (kernel.pdf(x, y) * survival(x)) }
+    });
+    match Proposed::new(square, Uniform::on(kernel.domain().clone())).series()? {
+        // on a half line the radius is that of the continuous spectrum, which finitely many nodes cannot see; the row mass bounds it
+        Series::Known(s) if kernel.domain().volume().is_infinite() => Ok(Radius { value: s.norm(), uncertainty: 1e-9 }),
+        Series::Known(s) => Ok(s.radius()),
+        Series::Unknown => Ok(Radius { value: 1.0, uncertainty: 1.0 }),
+    }
 }
 
-/// The depth at which ρ^D falls below 10⁻⁴.
-fn depth(radius: Radius) -> Result<u64, Error> {
+/// Refuses walks whose variance is known to be infinite.
+fn finite(radius: Radius) -> Result<Radius, Refusal> {
+    if radius.diverges() {
+        return Err(Refusal(format!(
+            "infinite variance: the spectral radius of K²/π is {:.4} ± {:.0e} ≥ 1",
+            radius.value, radius.uncertainty
+        )));
+    }
+    Ok(radius)
+}
+
+/// Survival half-way between the least that keeps the variance finite, ρ(K²/p), and 1; at most `MOST_SURVIVAL`.
+fn constant(squared: Radius) -> Result<Roulette, Refusal> {
+    let survival = (0.5 * (1.0 + squared.value)).clamp(0.5, MOST_SURVIVAL);
+    finite(Radius { value: squared.value / survival, ..squared })?;
+    Ok(Roulette::constant(survival))
+}
+
+/// The depth at which ρ^D falls below 10⁻⁴, unless the variance, which grows like ρ(K²/p)^D, is a hundredfold before.
+fn depth(radius: Radius, squared: Radius) -> Result<u64, Error> {
     if radius.value >= 1.0 {
         return Err(Error::Divergent { radius: radius.value, uncertainty: radius.uncertainty });
     }
-    Ok(((1e-4f64.ln() / radius.value.max(1e-3).ln()).ceil() as u64).clamp(4, DEEPEST))
+    let small_bias = (1e-4f64.ln() / radius.value.max(1e-3).ln()).ceil();
+    let small_variance = if squared.value > 1.0 { 100f64.ln() / squared.value.ln() } else { f64::INFINITY };
+    Ok((small_bias.min(small_variance) as u64).clamp(4, DEEPEST))
 }

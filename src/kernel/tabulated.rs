@@ -3,7 +3,7 @@
 //! A row of the table belongs to a cell of x (and a state). In the coordinate s ∈ [0, 1] of the domain's map, with t the coordinate of x, it mixes
 //!
 //! ```text
-//! p(x, y) = 0.1 · density of the domain  +  0.9 · [ equal cells of s   for |s − t| ≥ R(x)      far from x
+//! p(x, y) = 0.01 · density of the domain  +  0.99 · [ equal cells of s   for |s − t| ≥ R(x)      far from x
 //!                                                + dyadic shells R 2^{−k−1} ≤ ±(s − t) < R 2^{−k}   near x ]
 //! ```
 //!
@@ -39,8 +39,9 @@ struct Row {
     reach: f64,
 }
 
-/// Share of the domain's own density mixed into every row: weights stay below 1/0.1 of the uniform ones.
-const DEFENSIVE: f64 = 0.1;
+/// Share of the domain's own density mixed into every row: weights stay below 100 times the uniform ones. With p ∝ |K| but for this share,
+/// ρ(K²/p) = ρ(|K|)²/(1 − share): a larger one would make the variance infinite for kernels close to critical.
+const DEFENSIVE: f64 = 0.01;
 /// Shells on each side of x; the last one reaches x itself. 2^{−48} of a cell is below the spacing of floating-point numbers.
 const SHELLS: usize = 48;
 
