@@ -42,6 +42,8 @@ struct Row {
 /// Share of the domain's own density mixed into every row: weights stay below 100 times the uniform ones. With p ∝ |K| but for this share,
 /// ρ(K²/p) = ρ(|K|)²/(1 − share): a larger one would make the variance infinite for kernels close to critical.
 const DEFENSIVE: f64 = 0.01;
+/// Row mass reported where all samples of |K| vanish.
+const UNSEEN: f64 = 0.1;
 /// Shells on each side of x; the last one reaches x itself. 2^{−48} of a cell is below the spacing of floating-point numbers.
 const SHELLS: usize = 48;
 
@@ -80,7 +82,7 @@ impl<D: Domain> Tabulated<D> {
     #[inline]
     pub fn mass(&self, x: &D::Point) -> f64 {
         let row = self.row(x);
-        if row.table.is_some() { row.mass } else { DEFENSIVE }
+        if row.table.is_some() { row.mass } else { UNSEEN }
     }
 
     /// 1/R(x) in the coordinate s: R at most the whole interval, so that a shell folds at most once at each end.

@@ -13,13 +13,14 @@ const KEPT: usize = 256;
 pub struct Tail {
     /// Descending.
     largest: Vec<f64>,
+    /// Scores different from zero.
     count: u64,
 }
 
 impl Tail {
     /// The tail of one block of scores, unordered, given that scores up to `threshold` cannot belong to the largest of all.
     pub(crate) fn of_block<V: Value>(scores: &[V], threshold: f64) -> Self {
-        let count = scores.len() as u64;
+        let count = scores.iter().map(|y| u64::from(y.magnitude() > 0.0)).sum();
         // most blocks of a long run hold no candidate: one vectorised pass finds out
         if !scores.iter().fold(false, |any, y| any | (y.magnitude() > threshold)) {
             return Tail { largest: Vec::new(), count };
@@ -54,13 +55,16 @@ impl Tail {
 
     /// Hill's estimate of the tail index α (the variance is finite iff α > 2) and its standard error α/√k.
     ///
-    /// From the k = min(256, √N·2, N/20) largest scores; `None` if fewer than 25 are not zero, or if they are equal (a bounded score piled up at its
-    /// bound has no tail).
+    /// From the k = min(256, 2√M, M/20) largest of the M scores different from zero: zeros are no tail. `None` if k < 25, or if half of
+    /// these scores are equal to a neighbour: counts and scores piled up at a bound have no tail that the estimate could see.
     pub fn index(&self) -> Option<(f64, f64)> {
-        let usable = self.largest.iter().take_while(|y| **y > 0.0).count();
         let wanted = (2.0 * (self.count as f64).sqrt()).min(self.count as f64 / 20.0) as usize;
-        let k = wanted.min(usable.saturating_sub(1));
+        let k = wanted.min(self.largest.len().saturating_sub(1));
         if k < 25 {
+            return None;
+        }
+        let ties = self.largest[..=k].windows(2).filter(|pair| pair[0] == pair[1]).count();
+        if 2 * ties >= k {
             return None;
         }
         let reference = self.largest[k].ln();
