@@ -92,7 +92,7 @@ impl Options {
             };
             let mut values = Vec::new();
             let single = !matches!(option, "walks" | "deterministic" | "all-points");
-            while let Some(value) = arguments.next_if(|a| !a.starts_with("--") && option != "all-points" && !(single && !values.is_empty()))
+            while let Some(value) = arguments.next_if(|a| !a.starts_with("--") && option != "all-points" && (!single || values.is_empty()))
             {
                 values.extend(value.split(',').map(String::from));
             }
