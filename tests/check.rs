@@ -194,7 +194,7 @@ fn faults_of_proposals_are_named() {
     assert!(report.breaks(Law::SampleWeight), "{report}");
 
     // normalised and self-consistent, but the points follow another density
-    let shape = Line(|y: f64| 1.0 + 0.05 * (y - 0.5), |u: f64| (u, 1.0 / (1.0 + 0.05 * (u - 0.5))));
+    let shape = Line(|y: f64| 1.0 + 0.2 * (y - 0.5), |u: f64| (u, 1.0 / (1.0 + 0.2 * (u - 0.5))));
     let report = check::proposal(&shape, &unit(), s.samples(1 << 18)).unwrap();
     assert!(report.breaks(Law::Distribution), "{report}");
 

@@ -8,7 +8,7 @@ use fredholm::kernel::{Absorbing, Operator, Step, Transition};
 use fredholm::sampling::{Pcg, Sampler, Sequence};
 use fredholm::source::Source;
 use fredholm::statistics::Moments;
-use fredholm::walk::{Ending, Heuristic, Roulette, Technique};
+use fredholm::walk::{Ending, Heuristic, Roulette, Survival, Technique};
 use fredholm::{Equation, Walk};
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -227,8 +227,8 @@ fn next_event_scores_at_the_vertex_where_the_walk_ends() {
     #[derive(Clone, Copy, Debug)]
     struct Never;
     impl<K: Operator> Ending<K> for Never {
-        fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> f64 {
-            0.0
+        fn survival(&self, _: &K, _: &K::Point, _: u64, _: f64) -> Survival {
+            Survival::with_probability(0.0)
         }
     }
     let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |_, _| 0.25);
@@ -282,8 +282,6 @@ enum Mutant {
     RouletteWithoutGain,
     /// the roulette uses 1 − P for P
     InvertedRoulette,
-    /// the seed of the pilot is the seed of the run, and only good pilots run
-    KeepsGoodLooks,
 }
 
 const P: f64 = 0.7;
@@ -399,27 +397,16 @@ fn z_tests_kill_every_mutant_and_spare_the_original() {
         })
         .collect();
     assert!(survivors.is_empty(), "survived: {survivors:?}");
-    // stopping at the first good look: the shortest of many intervals under-covers, which a test of coverage must see
+    // stopping at the first look that pleases: such intervals under-cover, which a test of coverage must see
     let hits = (0..2000).filter(|i| covered_after_peeking(*i, truth)).count() as u64;
     assert!(budget.frequency("peeking", hits, 2000, 0.94, 1.0).is_err(), "{hits} of 2000");
-    assert_ne!(KeepsGoodLooks, None);
 }
 
-/// Looks after every 50 walks and keeps the look of the smallest standard error.
+/// Looks after every 50 walks, and stops as soon as the interval excludes the truth: twenty chances to be wrong for the price of one.
 fn covered_after_peeking(repetition: u64, truth: f64) -> bool {
     let scores: Vec<f64> = (0..1000).map(|i| mutant_walk(Mutant::None, &mut Pcg::new(2 + repetition).point(1, 0, i))).collect();
-    let looks = (1..=20).map(|k| Moments::from_scores(&scores[..50 * k]));
     let z = Normal::standard().inverse_cdf(0.975);
-    // stop as soon as the interval excludes a wrong guess of 0.97 f: a look that pleases
-    let mut kept = None;
-    for m in looks {
-        kept = Some((m.mean, m.std_error().unwrap()));
-        if m.mean - z * m.std_error().unwrap() > 1.0 * truth {
-            break;
-        }
-    }
-    let (mean, error) = kept.unwrap();
-    (mean - truth).abs() <= z * error
+    (1..=20).map(|k| Moments::from_scores(&scores[..50 * k])).all(|m| (m.mean - truth).abs() <= z * m.std_error().unwrap())
 }
 
 /// n − 1, not n, in the variance (theory (6.1.10)): exact over all samples of size 3 from three values.

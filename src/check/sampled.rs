@@ -172,7 +172,7 @@ fn expected<D: Domain>(tester: &Tester, domain: &D, x: &D::Point, pdf: &impl Fn(
 
 /// Whether ∫ pdf is what it must be.
 fn mass<X>(tester: &mut Tester, at: &str, words: &Words, seen: &Seen, exact: &Integrals<X>) -> bool {
-    let (value, error) = (exact.values[0], exact.errors[0] + 1e-7 + 8.0 * exact.std_errors[0]);
+    let (value, error) = (exact.values[0], exact.errors[0] + 1e-5 + 8.0 * exact.std_errors[0]);
     let frequency = seen.points as f64 / tester.samples() as f64;
     let mut blame = |law, expected: f64, message: String| {
         tester.blame(law, at.to_string(), value, expected, message);

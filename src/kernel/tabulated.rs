@@ -85,10 +85,16 @@ impl<D: Domain> Tabulated<D> {
         if row.table.is_some() { row.mass } else { UNSEEN }
     }
 
+    /// The coordinate t of x; of the nearest end for an x outside, where shells around x would leave the domain.
+    #[inline]
+    fn centre(&self, x: &D::Point) -> f64 {
+        self.domain.coordinate(x, 0).clamp(0.0, 1.0)
+    }
+
     /// 1/R(x) in the coordinate s: R at most the whole interval, so that a shell folds at most once at each end.
     #[inline]
-    fn scale(&self, x: &D::Point, row: &Row) -> f64 {
-        scale(1.0 / (self.domain.density(x) * self.groups as f64), row.reach)
+    fn scale(&self, t: f64, row: &Row) -> f64 {
+        scale(self.domain.place(0, || t.clamp(f64::MIN_POSITIVE, 1.0 - f64::EPSILON / 2.0)).weight, row.reach)
     }
 
     /// The point at coordinate s of a state; `place` needs coordinates strictly inside (0, 1).
@@ -100,9 +106,9 @@ impl<D: Domain> Tabulated<D> {
     /// The point of shell `shell` at share `part` of its width.
     #[inline]
     fn near(&self, x: &D::Point, row: &Row, shell: Shell, part: f64) -> D::Point {
-        let t = self.domain.coordinate(x, 0);
+        let t = self.centre(x);
         let (inner, outer) = shell.bounds();
-        let mut distance = (inner + part * (outer - inner)) / self.scale(x, row);
+        let mut distance = (inner + part * (outer - inner)) / self.scale(t, row);
         loop {
             let s = (if shell.right { t + distance } else { t - distance }).abs();
             let y = self.place(shell.state, if s > 1.0 { 2.0 - s } else { s });
@@ -117,8 +123,8 @@ impl<D: Domain> Tabulated<D> {
     /// Density of the shells with respect to the coordinate s, for a table whose entries have probabilities `table.pdf`/entries.
     #[inline]
     fn near_pdf(&self, x: &D::Point, row: &Row, state: usize, s: f64, probability: impl Fn(usize) -> f64) -> f64 {
-        let t = self.domain.coordinate(x, 0);
-        let scale = self.scale(x, row);
+        let t = self.centre(x);
+        let scale = self.scale(t, row);
         let one = |image: f64| {
             let distance = (image - t).abs() * scale;
             if distance >= 1.0 {

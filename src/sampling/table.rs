@@ -36,10 +36,11 @@ impl Table {
         cdf.push(0.0);
         for w in weights {
             sum += w / total;
-            cdf.push(sum);
+            // rounding may carry the sum past 1: the rest then has probability 0, not a negative one
+            cdf.push(sum.min(1.0));
         }
-        // rounding may leave the last sum off 1: from the last cell of positive weight on, the value is exactly 1
-        let last = weights.iter().rposition(|w| *w > 0.0)?;
+        // rounding may leave the last sum off 1: from the last cell that a uniform can reach on, the value is exactly 1
+        let last = (0..n).rposition(|i| cdf[i + 1] > cdf[i])?;
         cdf[last + 1..].fill(1.0);
         let mut guide = Vec::with_capacity(n);
         let mut k = 0;
@@ -49,7 +50,8 @@ impl Table {
             }
             guide.push(k as u32);
         }
-        let pdf = weights.iter().map(|w| w / total * n as f64).collect();
+        // from the sums, not from the weights: the density of what is sampled, rounding included
+        let pdf = cdf.windows(2).map(|c| (c[1] - c[0]) * n as f64).collect();
         Some(Table { cdf, pdf, guide, total })
     }
 
@@ -63,7 +65,9 @@ impl Table {
             k += 1;
         }
         let t = (u - self.cdf[k]) / (self.cdf[k + 1] - self.cdf[k]);
-        ((k as f64 + t.clamp(0.0, 1.0 - 2.0 * n as f64 * f64::EPSILON)) / n as f64, self.pdf[k])
+        let x = (k as f64 + t.clamp(0.0, 1.0 - 2.0 * n as f64 * f64::EPSILON)) / n as f64;
+        // k/n can round to a number whose cell is k − 1, perhaps one of weight 0
+        (if ((x * n as f64) as usize) < k { x.next_up() } else { x }, self.pdf[k])
     }
 
     /// Density at `x` with respect to the unit interval; 0 outside.

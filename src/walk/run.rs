@@ -215,7 +215,9 @@ where
     /// Finds the cause of scores that are not finite by replaying the first such walk.
     #[cold]
     fn explain(&self, cell: usize, replicate: u32, from: u64, scores: &[G::Value]) -> Result<(), Error> {
-        let Some(i) = scores.iter().position(|s| !s.all_finite()) else {
+        // a score is also too large if a block of its like has no finite sum: the mean would be infinite
+        let count = scores.len() as f64;
+        let Some(i) = scores.iter().position(|s| !s.scale(count).all_finite()) else {
             // finite scores whose fourth power overflows: the moments say ∞, the mean is right
             return Ok(());
         };
