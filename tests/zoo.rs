@@ -254,7 +254,6 @@ fn enough<V: Value>(budget: &Budget, pilot: &Estimate<V>, margin: f64) -> u64 {
 const PILOT: u64 = 8192;
 
 fn judge(budget: &mut Budget, what: &str, e: &Estimate, truth: f64, margin: f64) -> Result<(), String> {
-    eprintln!("COST {:.2} {what} {} {}", e.elapsed.as_secs_f64(), e.samples(), e.steps);
     budget.mean(what, (e.value, e.std_error.unwrap(), e.degrees_of_freedom as f64), truth, margin)
 }
 
@@ -427,7 +426,6 @@ fn near_critical_walks_do_not_pretend() {
                     z.abs() < 6.0 || e.verdict() != fredholm::statistics::Verdict::Trustworthy,
                     "{name}, seed {seed}: {e:#} (z = {z:.1})"
                 );
-                eprintln!("COST {:.2} {name} {z:.2} {e:#}", e.elapsed.as_secs_f64());
             }
         }
     }

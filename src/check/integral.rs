@@ -221,10 +221,10 @@ mod tests {
             let t = (y - at).abs();
             out.copy_from_slice(&[t.ln(), t.powf(-0.5), f64::from(*y > 0.7), 1e-4 / (std::f64::consts::PI * (1e-8 + t * t))]);
         });
-        for i in 0..4 {
-            let error = (r.values[i] - exact[i]).abs();
-            assert!(error <= r.errors[i] + 1e-12, "{i}: {error} > {}", r.errors[i]);
-            assert!(r.errors[i] < 1e-6, "{i}: {}", r.errors[i]);
+        for ((value, stated), exact) in r.values.iter().zip(&r.errors).zip(exact) {
+            let error = (value - exact).abs();
+            assert!(error <= stated + 1e-12, "{exact}: {error} > {stated}");
+            assert!(*stated < 1e-6, "{exact}: {stated}");
         }
         assert!(r.fault.is_none());
     }
