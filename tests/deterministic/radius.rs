@@ -7,6 +7,7 @@ use fredholm::kernel::{Operator, Radius, Series};
 use fredholm::special::e1;
 use fredholm::{Equation, GroupMatrix, Spectrum};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 fn radius(kernel: &impl Operator) -> Radius {
     match kernel.series().unwrap() {
@@ -31,8 +32,13 @@ fn stored(name: &str) -> f64 {
 
 macro_rules! on_interval {
     ($name:expr, $a:expr, $b:expr, $sharp:expr, $k:expr) => {
-        covers($name, Equation::on_interval($a..=$b, |_| 1.0, $k).kernel(), stored($name), $sharp)
+        erased($name, $a..=$b, $sharp, Arc::new($k))
     };
+}
+
+/// One instantiation for all kernels.
+fn erased(name: &str, interval: std::ops::RangeInclusive<f64>, sharp: f64, k: Arc<dyn Fn(f64, f64) -> f64 + Send + Sync>) {
+    covers(name, Equation::on_interval(interval, |_| 1.0, move |x, y| k(x, y)).kernel(), stored(name), sharp);
 }
 
 #[test]
