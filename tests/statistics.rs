@@ -92,9 +92,9 @@ fn intervals_cover_what_they_promise() {
         let share = c.hits as f64 / REPETITIONS as f64;
         assert!((0.94..=0.96).contains(&share), "{name}: covers {share} of {REPETITIONS}");
         let trials = REPETITIONS as u64;
-        // skewed scores of 1024 walks shift the tails a little: 2.5 ± 0.6 %
-        results.push(budget.frequency(&format!("{name}: below"), c.low, trials, 0.019, 0.031));
-        results.push(budget.frequency(&format!("{name}: above"), c.high, trials, 0.019, 0.031));
+        // skewed scores of 1024 walks move hits from one tail to the other: neither may be empty, or hold nearly all
+        results.push(budget.frequency(&format!("{name}: below"), c.low, trials, 0.012, 0.045));
+        results.push(budget.frequency(&format!("{name}: above"), c.high, trials, 0.012, 0.045));
         results.push(uniform.uniform(name, &c.p));
     }
     all_pass(results);

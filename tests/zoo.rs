@@ -125,6 +125,13 @@ fn e1(t: f64) -> f64 {
 const INF: f64 = f64::INFINITY;
 const UNIT: (f64, f64) = (0.0, 1.0);
 
+impl Problem {
+    /// Another margin than 2 %: where walks have heavy tails, and a smaller one would cost minutes.
+    fn margin(self, margin: f64) -> Self {
+        Problem { margin, ..self }
+    }
+}
+
 /// One line a problem: reference, domain, proposals, survival of constant roulettes, K, g.
 #[rustfmt::skip]
 fn problems() -> Vec<Problem> {
@@ -151,7 +158,7 @@ fn problems() -> Vec<Problem> {
         problem("lieb-liniger-gamma0.1", (-1.0, 1.0), Table(64), 0.9, peak(d01), |_| 0.5 / PI),
         problem("gaussian-peaked-s0.01-manufactured", UNIT, Table(256), 0.9,
             move |x, y| 0.8 * (-(x - y).powi(2) / (2.0 * s * s)).exp() / (s * (2.0 * PI).sqrt()),
-            move |x| 1.0 - 0.4 * (erf((1.0 - x) / (s * 2f64.sqrt())) + erf(x / (s * 2f64.sqrt())))),
+            move |x| 1.0 - 0.4 * (erf((1.0 - x) / (s * 2f64.sqrt())) + erf(x / (s * 2f64.sqrt())))).margin(0.03),
         // kinks and jumps
         problem("expkernel-lam0.5-b2", UNIT, Both(32), 0.7, |x, y| 0.5 * (-2.0 * (x - y).abs()).exp(), |_| 1.0),
         problem("expkernel-lam-2-b5", UNIT, Both(32), 0.95, |x, y| -2.0 * (-5.0 * (x - y).abs()).exp(), |_| 1.0),
@@ -159,7 +166,7 @@ fn problems() -> Vec<Problem> {
         problem("green-min-lam1", UNIT, Both(16), 0.8, |x, y| x.min(y), |_| 1.0),
         problem("green-max-lam0.5", UNIT, Both(16), 0.8, |x, y| 0.5 * x.max(y), |_| 1.0),
         problem("volterra-step-lam1", UNIT, Both(32), 0.8, move |x, y| step(x - y), |_| 1.0),
-        problem("volterra-exp", UNIT, Both(32), 0.9, move |x, y| 3.0 * (-2.0 * (x - y)).exp() * step(x - y), |_| 1.0),
+        problem("volterra-exp", UNIT, Both(32), 0.9, move |x, y| 3.0 * (-2.0 * (x - y)).exp() * step(x - y), |_| 1.0).margin(0.04),
         problem("tube-effective-emissivity-eps0.5-L4", (0.0, 4.0), Both(32), 0.8, |x, y| {
             let t = (x - y).abs();
             0.25 * (1.0 - (t.powi(3) + 6.0 * t) / (t * t + 4.0).powf(1.5))
@@ -309,7 +316,7 @@ where
     let margin = p.margin * scale;
     for (i, method) in METHODS.into_iter().enumerate() {
         // the absorption score has g²/(1 − P) for a source of its variance (4.3.2)
-        let margin = if method == Method::Absorption { 2.5 * margin } else { margin };
+        let margin = if method == Method::Absorption { 5.0 * margin } else { margin };
         // another point for another method: all are visited
         let (x, f) = values[(i + how.len()) % values.len()];
         let what = format!("{} {how} {method:?} x = {x}", p.reference);
@@ -407,8 +414,8 @@ fn a_near_critical_sphere() {
 fn near_critical_walks_do_not_pretend() {
     let rows: [(&str, f64, fn(f64) -> f64, u64); 3] = [
         ("gaussian-nearcritical-0.99", 1.144718, f64::exp, 4096),
-        ("gaussian-nearcritical-0.999", 1.155125, |x| x, 512),
-        ("gaussian-nearcritical-0.9999", 1.156165, |_| 1.0, 128),
+        ("gaussian-nearcritical-0.999", 1.155125, |x| x, 1024),
+        ("gaussian-nearcritical-0.9999", 1.156165, |_| 1.0, 512),
     ];
     for (name, lambda, g, n) in rows {
         let reference = Reference::load(name);
@@ -540,7 +547,8 @@ fn grouped_system<const N: usize>(budget: &mut Budget, results: &mut Vec<Result<
     let values = Reference::load(name).vector();
     for (i, method) in METHODS.into_iter().filter(|m| !is_cut(*m)).enumerate() {
         let (x, f) = &values[i % values.len()];
-        let margin = 0.02 * f.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let share = if method == Method::Absorption { 0.2 } else { 0.05 };
+        let margin = share * f.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let c = i % N;
         let detector = fredholm::detector::At((*x, c));
         let n = enough(budget, &walk(&eq, &detector, method, (0.9, PILOT, 1)).unwrap(), margin);

@@ -68,6 +68,9 @@ pub struct Estimate<V = f64> {
     pub elapsed: Duration,
 }
 
+/// Fewer scores show no tail ([`Tail::index`] needs 25 of the largest 5 %): what is not seen cannot be trusted.
+const JUDGED: u64 = 500;
+
 impl<V: Value> Estimate<V> {
     /// The estimate of component `i` alone, such as one energy group. Its tail is not known: tails are kept for the largest component.
     ///
@@ -174,7 +177,7 @@ impl<V: Value> Estimate<V> {
             }
         }
         let skew = self.moments.skewness().magnitude() / n.sqrt();
-        if self.samples() < 100 || self.moments.variance_of_variance().magnitude() > 0.1 || skew > 0.3 {
+        if self.samples() < JUDGED || self.moments.variance_of_variance().magnitude() > 0.1 || skew > 0.3 {
             return Verdict::Doubtful;
         }
         Verdict::Trustworthy

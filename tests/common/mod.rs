@@ -16,11 +16,11 @@ pub const SUITE: f64 = 1e-6;
 
 /// Statistical assertions, by test. The level of each is that of the sum.
 const REGISTERED: &[(&str, u32)] = &[
-    ("zoo::line", 1100),
+    ("zoo::line", 550),
     ("zoo::subcritical", 56),
     ("zoo::matrix", 24),
     ("zoo::grouped", 18),
-    ("zoo::cube", 60),
+    ("zoo::cube", 16),
     ("zoo::functionals", 15),
     ("zoo::near-critical", 2),
     ("statistics::coverage", 12),
