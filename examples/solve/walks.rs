@@ -2,12 +2,14 @@
 
 use crate::options::{Options, WalkMethod};
 use crate::report::{Comparison, Outcome};
-use fredholm::domain::{Cuboid, Domain};
-use fredholm::formula::Stated;
+use fredholm::domain::{Cuboid, Domain, Node};
+use fredholm::formula::{KernelText, SourceText, Stated};
 use fredholm::kernel::{
-    Absorbing, HasDomain, Kernel, Operator, Proposed, Radius, RowMass, Series, Transition, TransitionPdf, Uniform, kernel_fn,
+    Absorbing, HasDomain, Kernel, KernelFn, Operator, Proposed, Radius, RowMass, Series, Tabulated, Transition, TransitionPdf, Uniform,
+    kernel_fn,
 };
-use fredholm::source::SampleSource;
+use fredholm::sampling::{Pcg, Sequence};
+use fredholm::source::{SampleSource, SourceFn, TabulatedSource};
 use fredholm::statistics::Verdict;
 use fredholm::walk::{Ending, Heuristic, Roulette, Scoring};
 use fredholm::{Equation, Error, Estimate, Walk};
@@ -15,6 +17,8 @@ use std::time::Instant;
 
 /// Cells of the tables that proposals and sources are drawn from.
 const CELLS: usize = 128;
+/// Cells where those are not enough.
+const FINE_CELLS: usize = 512;
 /// Largest survival probability of a constant roulette: 200 steps a walk.
 const MOST_SURVIVAL: f64 = 0.995;
 /// Deepest fixed depth.
@@ -32,27 +36,44 @@ impl From<Error> for Refusal {
 type Found = Result<Vec<Comparison>, Refusal>;
 
 /// Every walk asked for, with proposals tabulated from the kernel and the source.
+///
+/// A finer table is tried where the variance would be infinite with the first.
 pub(crate) fn on_a_line<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
-    let table = stated.equation().tabulated(CELLS).and_then(|eq| eq.tabulated_source(CELLS));
+    let states = stated.domain().states();
+    let mut table = guided(stated, CELLS);
+    if states * states <= 4 && table.as_ref().is_ok_and(|(_, spread)| spread.diverges()) {
+        table = guided(stated, FINE_CELLS);
+    }
     let runner = Runner { stated, options };
-    let spread = table.as_ref().map_err(Clone::clone).and_then(|eq| squared(eq.kernel(), |_| 1.0));
     each(options, |method| {
-        let (eq, spread) = (table.as_ref().map_err(Clone::clone)?, spread.clone()?);
-        match method {
-            WalkMethod::Subcritical => {
-                finite(squared(eq.kernel(), |x| eq.kernel().mass(x).min(1.0))?)?;
-                runner.run(eq, &Walk::subcritical())
-            }
-            other => runner.common(eq, spread, other),
+        if method == WalkMethod::Subcritical {
+            let eq = stated.equation().tabulated(CELLS)?;
+            finite(squared(eq.kernel(), |x| eq.kernel().mass(x).min(1.0))?)?;
+            return runner.run(&eq.tabulated_source(CELLS)?, &Walk::subcritical());
         }
+        let (eq, spread) = table.as_ref().map_err(Clone::clone)?;
+        runner.common(eq, *spread, method)
     })
+}
+
+/// An equation walked by a guided table.
+type Guided<D> = Equation<SourceFn<D, SourceText<D>, f64, TabulatedSource<D>>, Proposed<KernelFn<D, KernelText<D>, f64>, Tabulated<D>>>;
+
+/// The equation with a guided table, and the spectral radius of K²/p.
+fn guided<D: Domain>(stated: &Stated<D>, cells: usize) -> Result<(Guided<D>, Radius), Error> {
+    let eq = stated.equation();
+    let table = Tabulated::new(eq.kernel().kernel(), cells)?.guided();
+    let eq = eq.with_proposal(table).tabulated_source(cells)?;
+    let spread = squared(eq.kernel(), |_| 1.0)?;
+    Ok((eq, spread))
 }
 
 /// Every walk asked for, with uniform proposals.
 pub(crate) fn in_a_box<const D: usize>(stated: &Stated<Cuboid<D>>, options: &Options) -> Vec<Outcome> {
     let eq = stated.equation();
     let spread = squared(eq.kernel(), |_| 1.0);
-    each(options, |method| Runner { stated, options }.common(&eq, spread.clone()?, method))
+    let runner = Runner { stated, options };
+    each(options, |method| runner.common(&eq, spread.clone()?, method))
 }
 
 fn each(options: &Options, solve: impl Fn(WalkMethod) -> Found) -> Vec<Outcome> {
@@ -112,7 +133,10 @@ impl<D: Domain> Runner<'_, D> {
             // other walks than those of the points, and than those of other functionals
             let walk = walk.seed(self.options.seed.wrapping_add(1 + i as u64));
             let estimate = eq.seen_by(&functional.detector()?).solve(&walk)?;
-            found.push(comparison(&estimate, &format!("∫ f·({})", functional.label), functional.value));
+            let mut one = comparison(&estimate, &format!("∫ f·({})", functional.label), functional.value);
+            // the bound is for f at one point
+            one.bias *= norm(self.stated.domain(), |x| functional.weight(x));
+            found.push(one);
         }
         Ok(found)
     }
@@ -135,6 +159,19 @@ fn comparison(estimate: &Estimate<f64>, label: &str, reference: Option<f64>) -> 
         evaluations: estimate.evaluations,
         refusal,
     }
+}
+
+/// ∫ |h| dμ: by quadrature, in more than three dimensions from random points.
+fn norm<D: Domain>(domain: &D, h: impl Fn(&D::Point) -> f64) -> f64 {
+    let nodes = match domain.dimension() {
+        1 => domain.rule(32, 8),
+        2 | 3 => domain.rule(2, 8),
+        _ => {
+            let point = |i| domain.sample(&mut Pcg::default().point(0, 0, i));
+            (0..4096).map(point).map(|n| Node { weight: n.weight / 4096.0, ..n }).collect()
+        }
+    };
+    nodes.iter().map(|n| n.weight * h(&n.point).abs()).sum()
 }
 
 /// Spectral radius of |T|; refused where the series diverges.

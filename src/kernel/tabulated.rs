@@ -3,11 +3,12 @@
 //! A row of the table belongs to a cell of x (and a state). In the coordinate s ∈ [0, 1] of the domain's map, with t the coordinate of x, it mixes
 //!
 //! ```text
-//! p(x, y) = 0.01 · density of the domain  +  0.99 · [ equal cells of s   for |s − t| ≥ R(x)      far from x
-//!                                                + dyadic shells R 2^{−k−1} ≤ ±(s − t) < R 2^{−k}   near x ]
+//! p(x, y) = 0.01 · density of the domain
+//!         + 0.99 · [ equal cells of s                                 the mean of |K|, but no more than its value at |s − t| = R
+//!                  + dyadic shells R 2^{−k−1} ≤ ±(s − t) < R 2^{−k}     the mean of what exceeds that, near x ]
 //! ```
 //!
-//! each cell and shell with the mean |K| that was measured there. On a shell a kernel |x − y|^{−α}, α < 1, varies by no more than 2^α, so K/p stays
+//! On a shell a kernel |x − y|^{−α}, α < 1, varies by no more than 2^α, so K/p stays
 //! bounded where a table of equal cells has K/p unbounded and, for α ≥ ½, infinite variance (theory (4.3.1)). The same holds for peaks
 //! narrower than a cell. Shells that would leave [0, 1] are folded back at its ends. R is one cell, measured in units of μ: where the map of a half line stretches,
 //! shells keep their width in x, and so a kernel of |x − y| its table.
@@ -44,6 +45,8 @@ struct Row {
 const DEFENSIVE: f64 = 0.01;
 /// Row mass reported where all samples of |K| vanish.
 const UNSEEN: f64 = 0.1;
+/// Most terms of the sum that guides.
+const MOST_POWERS: usize = 300;
 /// Shells on each side of x; the last one reaches x itself. 2^{−48} of a cell is below the spacing of floating-point numbers.
 const SHELLS: usize = 48;
 
@@ -67,6 +70,50 @@ impl<D: Domain> Tabulated<D> {
         let groups = domain.states();
         let rows = crate::parallel::map(groups * cells, |i| Probe { kernel, cells, state: i / cells, cell: i % cells }.row());
         Ok(Tabulated { domain: domain.clone(), rows: rows.into_iter().collect::<Result<_, _>>()?, cells, groups })
+    }
+
+    /// The same table, guided towards where the walk will score: entries ∝ |K(x, y)| u(y), with u = Σ |T|ⁿ 1 from the table itself.
+    ///
+    /// With p ∝ |K| the operator K²/p has the kernel M(x)|K(x, y)|, M = ∫|K|, and its radius may exceed 1, an infinite variance, although that of |T| is
+    /// far below, where M varies: systems, Green's functions. With p ∝ |K| u the radius is that of |T|, squared (theory §4.9).
+    ///
+    /// ```
+    /// use fredholm::{Equation, Walk, kernel::Tabulated};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+    /// let table = Tabulated::new(eq.kernel().kernel(), 32)?.guided();
+    /// assert!(eq.with_proposal(table).at(0.5).solve(&Walk::collision())?.agrees_with(1.15, 5.0));
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    #[must_use]
+    pub fn guided(mut self) -> Self {
+        let u = self.importance();
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            let Some(table) = &row.table else { continue };
+            let cell = i % self.cells;
+            let weights: Vec<f64> = table.weights().enumerate().map(|(e, w)| w * u[column(e, cell, self.cells, self.groups)]).collect();
+            row.table = Table::new(&weights);
+        }
+        self
+    }
+
+    /// Σ |T|ⁿ 1 on the cells, by powers of the table; scaled to a maximum of 1.
+    fn importance(&self) -> Vec<f64> {
+        let (mut u, mut scale) = (vec![1.0; self.rows.len()], 1.0);
+        for _ in 0..MOST_POWERS {
+            let image = crate::parallel::map(self.rows.len(), |i| {
+                let row = self.rows[i].table.iter().flat_map(|t| t.weights().enumerate());
+                scale + row.map(|(e, w)| w * u[column(e, i % self.cells, self.cells, self.groups)]).sum::<f64>()
+            });
+            // a divergent sum grows until it is its fastest-growing part, which is what is wanted then
+            let largest = image.iter().fold(0.0, |m: f64, v| m.max(*v));
+            let change = image.iter().zip(&u).map(|(new, old)| (new / largest - old).abs()).fold(0.0, f64::max);
+            scale /= largest;
+            u = image.into_iter().map(|v| v / largest).collect();
+            if change < 1e-6 {
+                break;
+            }
+        }
+        u
     }
 
     #[inline]
@@ -144,6 +191,11 @@ impl<D: Domain> Tabulated<D> {
         }
         sum
     }
+}
+
+/// The cell that entry `e` of a row leads to, as an index of rows; shells lead to the cell of x.
+fn column(e: usize, cell: usize, cells: usize, groups: usize) -> usize {
+    if e < groups * cells { e } else { Shell::of_index(e - groups * cells).state * cells + cell }
 }
 
 /// Shells are measured in μ: `stretch` = dμ/ds, `reach` = R in units of μ.
@@ -254,51 +306,77 @@ impl<K: Kernel + HasDomain> Probe<'_, K> {
     fn row(&self) -> Result<Row, Error> {
         let domain = self.kernel.domain();
         let h = 1.0 / self.cells as f64;
-        let far = domain.states() * self.cells;
-        let mut weights = vec![0.0; far + domain.states() * 2 * SHELLS];
+        let mut weights = vec![0.0; domain.states() * (self.cells + 2 * SHELLS)];
         let reach = h * domain.place(self.state, || (self.cell as f64 + X_OFFSETS[0]) * h).weight;
         for dx in X_OFFSETS {
             let t = (self.cell as f64 + dx) * h;
             let x = domain.place(self.state, || t);
-            let reach = 1.0 / scale(x.weight, reach);
-            let share = 1.0 / X_OFFSETS.len() as f64;
-            for (i, w) in weights[..far].iter_mut().enumerate() {
-                for dy in Y_OFFSETS {
-                    let s = ((i % self.cells) as f64 + dy) * h;
-                    if (s - t).abs() >= reach {
-                        *w += share / Y_OFFSETS.len() as f64 * h * self.magnitude(&x.point, i / self.cells, s)?;
-                    }
-                }
-            }
-            for (i, w) in weights[far..].iter_mut().enumerate() {
-                let shell = Shell::of_index(i);
-                let (inner, outer) = shell.bounds();
-                for part in SHELL_OFFSETS {
-                    let distance = (inner + part * (outer - inner)) * reach;
-                    let s = if shell.right { t + distance } else { t - distance };
-                    // s = t: below the spacing of floating-point numbers at t
-                    if s > 0.0 && s < 1.0 && s != t {
-                        let width = (outer - inner) * reach;
-                        *w += share / SHELL_OFFSETS.len() as f64 * width * self.magnitude(&x.point, shell.state, s)?;
-                    }
-                }
-            }
+            let at = Seen { x: x.point, t, reach: 1.0 / scale(x.weight, reach) };
+            self.add(&at, 1.0 / X_OFFSETS.len() as f64, &mut weights)?;
         }
         let mass = weights.iter().sum();
         Ok(Row { table: Table::new(&weights), mass, reach })
     }
 
-    /// |K(x, y)| dμ/ds at the point y of coordinate s.
-    fn magnitude(&self, x: &K::Point, state: usize, s: f64) -> Result<f64, Error> {
+    /// Adds `share` of the row of one x: |K| up to its value at distance R to the cells, what exceeds that nearer than R to the shells.
+    fn add(&self, at: &Seen<K::Point>, share: f64, weights: &mut [f64]) -> Result<(), Error> {
+        let h = 1.0 / self.cells as f64;
+        let states = self.kernel.domain().states();
+        let caps = (0..states).map(|state| self.caps(at, state)).collect::<Result<Vec<_>, _>>()?;
+        let (cells, shells) = weights.split_at_mut(states * self.cells);
+        for (i, w) in cells.iter_mut().enumerate() {
+            for dy in Y_OFFSETS {
+                let s = ((i % self.cells) as f64 + dy) * h;
+                let (k, stretch) = self.magnitude(at, i / self.cells, s)?;
+                let near = (s - at.t).abs() < at.reach;
+                let k = if near { k.min(caps[i / self.cells][usize::from(s > at.t)]) } else { k };
+                *w += share / Y_OFFSETS.len() as f64 * h * k * stretch;
+            }
+        }
+        for (i, w) in shells.iter_mut().enumerate() {
+            let shell = Shell::of_index(i);
+            let (inner, outer) = shell.bounds();
+            for part in SHELL_OFFSETS {
+                let distance = (inner + part * (outer - inner)) * at.reach;
+                let s = if shell.right { at.t + distance } else { at.t - distance };
+                // s = t: below the spacing of floating-point numbers at t
+                if s > 0.0 && s < 1.0 && s != at.t {
+                    let (k, stretch) = self.magnitude(at, shell.state, s)?;
+                    let excess = (k - caps[shell.state][usize::from(shell.right)]).max(0.0);
+                    *w += share / SHELL_OFFSETS.len() as f64 * (outer - inner) * at.reach * excess * stretch;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// |K| at distance R to the left and to the right, or at the ends of the domain.
+    fn caps(&self, at: &Seen<K::Point>, state: usize) -> Result<[f64; 2], Error> {
+        let left = self.magnitude(at, state, (at.t - at.reach).max(f64::EPSILON))?.0;
+        let right = self.magnitude(at, state, (at.t + at.reach).min(1.0 - f64::EPSILON))?.0;
+        Ok([left, right])
+    }
+
+    /// |K(x, y)| and dμ/ds at the point y of coordinate s.
+    fn magnitude(&self, at: &Seen<K::Point>, state: usize, s: f64) -> Result<(f64, f64), Error> {
         let domain = self.kernel.domain();
         let y = domain.place(state, || s);
-        let k = self.kernel.eval(x, &y.point);
+        let k = self.kernel.eval(&at.x, &y.point);
         if k.entries_finite() {
-            return Ok(k.norm() * y.weight);
+            return Ok((k.norm(), y.weight));
         }
-        if domain.coordinate(&y.point, 0) == domain.coordinate(x, 0) {
-            return Ok(0.0); // a singularity at y = x, reached by rounding
+        if domain.coordinate(&y.point, 0) == domain.coordinate(&at.x, 0) {
+            return Ok((0.0, y.weight)); // a singularity at y = x, reached by rounding
         }
-        Err(Error::non_finite_kernel(x, &y.point, &k))
+        Err(Error::non_finite_kernel(&at.x, &y.point, &k))
     }
+}
+
+/// One x at which a row is measured.
+struct Seen<X> {
+    x: X,
+    /// its coordinate
+    t: f64,
+    /// R in the coordinate
+    reach: f64,
 }

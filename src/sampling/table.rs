@@ -93,6 +93,12 @@ impl Table {
         self.cdf[i + 1] - self.cdf[i]
     }
 
+    /// The weights given, up to rounding.
+    pub(crate) fn weights(&self) -> impl Iterator<Item = f64> {
+        let total = self.total;
+        self.pdf.iter().map(move |p| p * total / self.pdf.len() as f64)
+    }
+
     /// Sum of the weights given.
     #[must_use]
     pub fn total(&self) -> f64 {
