@@ -52,7 +52,6 @@ pub(crate) enum Verdict {
 pub(crate) struct Judge {
     /// two-sided false-alarm probability of one comparison
     alpha: f64,
-    tolerance: f64,
     all_points: bool,
 }
 
@@ -63,7 +62,7 @@ impl Judge {
     pub(crate) fn new(comparisons: usize, options: &Options) -> Self {
         // Šidák: 1 − (1 − α)^{1/n}, by ln(1 + x) because α is small
         let alpha = -f64::exp_m1(f64::ln_1p(-FALSE_ALARM) / comparisons.max(1) as f64);
-        Judge { alpha, tolerance: options.tolerance, all_points: options.all_points }
+        Judge { alpha, all_points: options.all_points }
     }
 
     /// Standard errors that chance allows.
@@ -78,7 +77,7 @@ impl Judge {
         let rounding = 64.0 * f64::EPSILON * c.value.abs().max(reference.abs());
         let claimed = match c.freedom {
             Some(freedom) => self.bound(freedom) * c.error + c.bias,
-            None => c.error.max(self.tolerance * reference.abs()),
+            None => c.error,
         };
         Some((c.value - reference).abs() / (claimed + known + rounding).max(f64::MIN_POSITIVE))
     }

@@ -41,7 +41,7 @@ type Found = Result<Vec<Comparison>, Refusal>;
 pub(crate) fn on_a_line<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
     let states = stated.domain().states();
     let mut table = guided(stated, CELLS);
-    if states * states <= 4 && table.as_ref().is_ok_and(|(_, spread)| spread.diverges()) {
+    if states * states <= 4 && table.as_ref().is_ok_and(|(_, spread)| !(spread.value < 1.0)) {
         table = guided(stated, FINE_CELLS);
     }
     let runner = Runner { stated, options };
@@ -57,10 +57,11 @@ pub(crate) fn on_a_line<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec
 }
 
 /// An equation walked by a guided table.
-type Guided<D> = Equation<SourceFn<D, SourceText<D>, f64, TabulatedSource<D>>, Proposed<KernelFn<D, KernelText<D>, f64>, Tabulated<D>>>;
+type Guided<'a, D> =
+    Equation<SourceFn<D, SourceText<'a, D>, f64, TabulatedSource<D>>, Proposed<KernelFn<D, KernelText<'a, D>, f64>, Tabulated<D>>>;
 
 /// The equation with a guided table, and the spectral radius of K²/p.
-fn guided<D: Domain>(stated: &Stated<D>, cells: usize) -> Result<(Guided<D>, Radius), Error> {
+fn guided<D: Domain>(stated: &Stated<D>, cells: usize) -> Result<(Guided<'_, D>, Radius), Error> {
     let eq = stated.equation();
     let table = Tabulated::new(eq.kernel().kernel(), cells)?.guided();
     let eq = eq.with_proposal(table).tabulated_source(cells)?;
@@ -196,8 +197,6 @@ where
         if k == 0.0 { 0.0 } else { k * k / (kernel.pdf(x, y) * survival(x)) }
     });
     match Proposed::new(square, Uniform::on(kernel.domain().clone())).series()? {
-        // on a half line the radius is that of the continuous spectrum, which finitely many nodes cannot see; the row mass bounds it
-        Series::Known(s) if kernel.domain().volume().is_infinite() => Ok(Radius { value: s.norm(), uncertainty: 1e-9 }),
         Series::Known(s) => Ok(s.radius()),
         Series::Unknown => Ok(Radius { value: 1.0, uncertainty: 1.0 }),
     }

@@ -37,9 +37,8 @@ impl<D: Domain> KnownFunctional<D> {
     ///
     /// # Errors
     /// [`Error::NonFiniteSource`] where h is not finite.
-    pub fn detector(&self) -> Result<TextFunctional<D>, Error> {
-        let weight = self.weight.clone();
-        let h = source_fn(self.domain.clone(), Box::new(move |x: &D::Point| weight(x)) as SourceText<D>);
+    pub fn detector(&self) -> Result<TextFunctional<'_, D>, Error> {
+        let h = source_fn(self.domain.clone(), &*self.weight);
         let starts = if self.domain.dimension() == 1 { Starts::Table(h.tabulated(CELLS)?) } else { Starts::Map(h) };
         Ok(TextFunctional { starts, anywhere: self.domain.place(0, || 0.5).point })
     }
@@ -47,22 +46,22 @@ impl<D: Domain> KnownFunctional<D> {
 
 /// The detector of a [`KnownFunctional`].
 #[derive(Debug)]
-pub struct TextFunctional<D: Domain> {
-    starts: Starts<D>,
+pub struct TextFunctional<'a, D: Domain> {
+    starts: Starts<'a, D>,
     /// sources are sampled as seen from a point; here the density is the same from all of them
     anywhere: D::Point,
 }
 
 #[derive(Debug)]
-enum Starts<D: Domain> {
-    Table(SourceFn<D, SourceText<D>, f64, TabulatedSource<D>>),
-    Map(SourceFn<D, SourceText<D>, f64>),
+enum Starts<'a, D: Domain> {
+    Table(SourceFn<D, SourceText<'a, D>, f64, TabulatedSource<D>>),
+    Map(SourceFn<D, SourceText<'a, D>, f64>),
 }
 
 /// Cells of the table that starts are drawn from.
 const CELLS: usize = 64;
 
-impl<D: Domain> Detector for TextFunctional<D> {
+impl<D: Domain> Detector for TextFunctional<'_, D> {
     type Point = D::Point;
     type Answer<T> = T;
     fn cells(&self) -> usize {
@@ -81,7 +80,7 @@ impl<D: Domain> Detector for TextFunctional<D> {
 }
 
 #[inline]
-fn start<D, Q, S>(h: &SourceFn<D, SourceText<D>, f64, Q>, from: &D::Point, u: &mut S) -> Start<D::Point>
+fn start<D, Q, S>(h: &SourceFn<D, SourceText<'_, D>, f64, Q>, from: &D::Point, u: &mut S) -> Start<D::Point>
 where
     D: Domain,
     Q: Proposal<D::Point>,

@@ -10,12 +10,12 @@ use serde_json::Value;
 use std::fmt;
 use std::sync::Arc;
 
-/// g as a closure.
-pub type SourceText<D> = Box<dyn Fn(&<D as Domain>::Point) -> f64 + Send + Sync>;
-/// K as a closure.
-pub type KernelText<D> = Box<dyn Fn(&<D as Domain>::Point, &<D as Domain>::Point) -> f64 + Send + Sync>;
+/// g, borrowed from a [`Stated`].
+pub type SourceText<'a, D> = &'a (dyn Fn(&<D as Domain>::Point) -> f64 + Send + Sync);
+/// K, borrowed from a [`Stated`].
+pub type KernelText<'a, D> = &'a (dyn Fn(&<D as Domain>::Point, &<D as Domain>::Point) -> f64 + Send + Sync);
 /// What text becomes: an equation like one of closures, walked by the domain's own density until it gets another proposal.
-pub type TextEquation<D> = ClosureEquation<D, f64, f64, SourceText<D>, KernelText<D>>;
+pub type TextEquation<'a, D> = ClosureEquation<D, f64, f64, SourceText<'a, D>, KernelText<'a, D>>;
 
 /// A formula of one point.
 pub(super) type Unary<D> = Arc<dyn Fn(&<D as Domain>::Point) -> f64 + Send + Sync>;
@@ -59,13 +59,8 @@ impl<D: Domain> fmt::Debug for Stated<D> {
 
 impl<D: Domain> Stated<D> {
     /// The equation. Each call gives a new one, so that each may get its own proposal.
-    pub fn equation(&self) -> TextEquation<D> {
-        let (source, kernel) = (self.source.clone(), self.kernel.clone());
-        Equation::on_domain(
-            self.domain.clone(),
-            Box::new(move |x: &D::Point| source(x)) as SourceText<D>,
-            Box::new(move |x: &D::Point, y: &D::Point| kernel(x, y)) as KernelText<D>,
-        )
+    pub fn equation(&self) -> TextEquation<'_, D> {
+        Equation::on_domain(self.domain.clone(), &*self.source, &*self.kernel)
     }
 
     /// Ω.
