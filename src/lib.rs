@@ -84,3 +84,7 @@ pub use error::Error;
 pub use statistics::Estimate;
 pub use value::{GroupMatrix, Spectrum, Value, Weight};
 pub use walk::Walk;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -54,7 +54,7 @@ const TOLERANCE: f64 = 1e-10;
 
 /// One state of a one-dimensional domain between coordinates `range`, with a panel boundary at `split`.
 ///
-/// Panels of largest |G₁₂ − G₇| are halved first; the sum of these differences is the reported error.
+/// Panels of largest |G₁₂ − G₇| are halved first; twice the sum of these differences is the reported error.
 pub(super) fn adaptive<D: Domain>(
     domain: &D,
     state: usize,
@@ -92,7 +92,8 @@ pub(super) fn adaptive<D: Domain>(
             }
         }
         let [values, rough] = sums;
-        let errors: Vec<f64> = values.iter().zip(&rough).map(|(a, b)| (a - b).abs()).collect();
+        // doubled: on panels next to a singularity both rules err to the same side, and their difference is less than the error
+        let errors: Vec<f64> = values.iter().zip(&rough).map(|(a, b)| 2.0 * (a - b).abs()).collect();
         let priority = if upper - lower > NARROW { errors.iter().fold(0.0, |m: f64, e| m.max(*e)) } else { 0.0 };
         Panel { lower, upper, values, errors, scale, priority }
     };

@@ -22,11 +22,11 @@ pub enum Survival {
 }
 
 impl Survival {
-    /// Survival with probability `p` ∈ [0, 1].
+    /// Survival with probability `p` ∈ [0, 1]; certain from 1 on. The driver refuses negative and NaN probabilities with the place.
     #[inline]
     #[must_use]
     pub fn with_probability(p: f64) -> Self {
-        Survival::Chance { probability: p, reciprocal: 1.0 / p }
+        if p >= 1.0 { Survival::Certain } else { Survival::Chance { probability: p, reciprocal: 1.0 / p } }
     }
 
     /// P.
