@@ -216,12 +216,14 @@ proptest! {
         let unit = Interval::from(0.0..=1.0);
         let kernel = kernel_fn(unit, move |x: &f64, y: &f64| if *y < cut { 0.0 } else { c0 + c1 * x * y });
         let table = Tabulated::new(&kernel, cells).unwrap();
-        // the density is constant between the edges of cells, of dyadic shells around x, and of their images behind the ends
+        // the density is constant between the edges of cells, of quarters of octaves within 8 cells of x, and of their images behind the ends
         let h = 1.0 / cells as f64;
         let mut edges: Vec<f64> = (0..=cells).map(|i| i as f64 * h).collect();
         for level in 0..60 {
-            let r = h * 0.5f64.powi(level);
-            edges.extend([x - r, x + r, r - x, 2.0 - x - r].into_iter().filter(|e| (0.0..=1.0).contains(e)));
+            for quarter in [1.0, 0.875, 0.75, 0.625] {
+                let r = (8.0 * h).min(1.0) * quarter * 0.5f64.powi(level);
+                edges.extend([x - r, x + r, r - x, 2.0 - x - r].into_iter().filter(|e| (0.0..=1.0).contains(e)));
+            }
         }
         edges.push(x);
         edges.sort_by(f64::total_cmp);
