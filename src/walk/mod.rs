@@ -168,7 +168,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
     /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
     /// let trace = Walk::collision().seed(7).trace(&eq, &At(0.5), 0, 3);
     /// assert_eq!(trace.vertices[0].point, 0.5);
-    /// assert_eq!(trace.score, trace.vertices.iter().map(|v| v.score).sum());
+    /// assert_eq!(trace.score, trace.vertices.iter().map(|v| v.score).sum::<f64>());
     /// ```
     pub fn trace<G, K, D>(&self, equation: &Equation<G, K>, detector: &D, cell: usize, walk: u64) -> Trace<K::Point, K::Weight>
     where
