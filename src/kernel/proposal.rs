@@ -116,7 +116,7 @@ impl<K: Kernel + HasDomain, P: Proposal<K::Point>> Transition for Proposed<K, P>
     #[inline]
     fn step<S: Sampler>(&self, x: &K::Point, u: &mut S) -> Option<Step<K::Point, K::Weight>> {
         let y = self.proposal.sample(x, u);
-        Some(Step::with_pdf(y.point, self.kernel.eval(x, &y.point).scaled(y.weight), 1.0 / y.weight))
+        Some(Step::regular(y.point, self.kernel.eval(x, &y.point).scaled(y.weight)))
     }
     fn never_absorbs(&self) -> bool {
         true

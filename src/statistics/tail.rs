@@ -18,9 +18,8 @@ pub struct Tail {
 }
 
 impl Tail {
-    /// The tail of one block of scores, unordered, given that scores up to `threshold` cannot belong to the largest of all.
-    pub(crate) fn of_block<V: Value>(scores: &[V], threshold: f64) -> Self {
-        let count = scores.iter().map(|y| u64::from(y.magnitude() > 0.0)).sum();
+    /// The tail of one block of scores, `count` of them not zero, unordered, given that scores up to `threshold` cannot belong to the largest of all.
+    pub(crate) fn of_block<V: Value>(scores: &[V], count: u64, threshold: f64) -> Self {
         // most blocks of a long run hold no candidate: one vectorised pass finds out
         if !scores.iter().fold(false, |any, y| any | (y.magnitude() > threshold)) {
             return Tail { largest: Vec::new(), count };

@@ -8,13 +8,16 @@
 //!        die with probability 1 − P                  absorption scores here
 //!        X_{n+1} from the kernel's step, W_{n+1} = W_n (K/π)/P
 //! ```
+//!
+//! Walks go in lockstep, some hundred abreast, and the survivors close ranks after every test. What one walk does depends on its own point of
+//! the sequence alone; going abreast hides latencies and mispredicted roulette: half the time of walking one after the other.
 
 use super::ending::{Ending, Survival};
 use super::observer::Observer;
 use super::scoring::{Arrival, Scoring, Visit};
 use crate::detector::Start;
 use crate::equation::Equation;
-use crate::kernel::{Operator, Transition};
+use crate::kernel::{Operator, Step, Transition};
 use crate::sampling::{Purpose, Sampler};
 use crate::source::Source;
 use crate::value::{Value, Weight};
@@ -32,23 +35,48 @@ pub enum End {
     TooLong,
 }
 
-/// Score, steps and end of one walk.
+/// One walk on its way.
+#[derive(Debug)]
+pub(super) struct Lane<X, W: Weight, S> {
+    walk: usize,
+    visit: Visit<X, W>,
+    /// 1/P of the test just survived
+    reciprocal: f64,
+    /// the step just made, towards the next vertex
+    step: Option<Step<X, W>>,
+    score: W::Value,
+    u: S,
+}
+
+impl<X, W: Weight, S> Lane<X, W, S> {
+    /// Walk number `walk` of its front.
+    #[inline]
+    pub(super) fn new(walk: usize, start: Start<X>, u: S) -> Self {
+        let visit = Visit { point: start.point, weight: W::ONE.scaled(start.weight), survival: 1.0 };
+        Lane { walk, visit, reciprocal: 1.0, step: None, score: W::Value::ZERO, u }
+    }
+}
+
+/// A walk that has ended.
 pub(super) struct Outcome<V> {
+    /// Its number in the front.
+    pub(super) walk: usize,
     pub(super) score: V,
-    pub(super) steps: u64,
     pub(super) end: End,
 }
 
+/// Walks all `lanes` to their ends, in no particular order; returns the steps of all together. `ranks` is scratch space.
 #[inline]
 pub(super) fn backward<G, K, C, E, S, O>(
     equation: &Equation<G, K>,
     scoring: &C,
     ending: &E,
     max_steps: u64,
-    start: Start<K::Point>,
-    u: &mut S,
+    lanes: &mut [Lane<K::Point, K::Weight, S>],
+    ranks: &mut Vec<u32>,
     observer: &mut O,
-) -> Outcome<G::Value>
+    mut ended: impl FnMut(Outcome<G::Value>),
+) -> u64
 where
     G: Source,
     K: Transition + Operator<Point = G::Point>,
@@ -60,45 +88,96 @@ where
 {
     let kernel = equation.kernel();
     let cut = ending.cut().unwrap_or(u64::MAX);
-    let mut visit = Visit { point: start.point, weight: K::Weight::ONE.scaled(start.weight), survival: 1.0 };
-    observer.vertex(&visit.point, &visit.weight);
-    let mut score = G::Value::ZERO;
-    scoring.arrival(equation, &visit, Arrival::Start, &mut score, observer);
-    let mut depth = 0;
-    let end = loop {
-        let survival = ending.survival(kernel, &visit.point, depth, visit.weight.norm());
-        visit.survival = survival.probability();
-        if depth < cut {
-            u.seek(depth, Purpose::Event);
-            scoring.vertex(equation, &visit, u, &mut score, observer);
-        }
-        let mut weight = visit.weight;
-        if let Survival::Chance { reciprocal, .. } = survival {
-            u.seek(depth, Purpose::Survival);
-            // `!(<)`: a NaN probability must end the walk, not prolong it
-            if !(u.next_1d() < visit.survival) {
-                if !(visit.survival >= 0.0) {
-                    // dying more often than always would be a silent bias: poison the score, the replay names the place
-                    observer.survival(&visit.point, visit.survival);
-                    score = G::Value::from_components(|_| f64::NAN);
+    ranks.clear();
+    ranks.extend(0..lanes.len() as u32);
+    let (mut depth, mut steps) = (0, 0);
+    while !ranks.is_empty() {
+        let survivors = close_ranks(lanes, ranks, |Lane { visit, reciprocal, step, score, u, .. }| {
+            let arrival = match step {
+                None => Arrival::Start,
+                Some(step) => {
+                    let arrival = Arrival::Step { from: visit.point, pdf: step.raw_pdf() * visit.survival };
+                    visit.weight = visit.weight.scaled(*reciprocal).then(step.weight());
+                    visit.point = step.point();
+                    arrival
                 }
-                break if depth >= cut { End::Cut } else { End::Roulette };
+            };
+            observer.vertex(&visit.point, &visit.weight);
+            visit.survival = 1.0;
+            scoring.arrival(equation, visit, arrival, score, observer);
+            let survival = ending.survival(kernel, &visit.point, depth, visit.weight.norm());
+            visit.survival = survival.probability();
+            if depth < cut {
+                u.seek(depth, Purpose::Event);
+                scoring.vertex(equation, visit, u, score, observer);
             }
-            weight = weight.scaled(reciprocal);
+            match survival {
+                Survival::Certain => {
+                    *reciprocal = 1.0;
+                    true
+                }
+                Survival::Chance { probability, reciprocal: r } => {
+                    *reciprocal = r;
+                    u.seek(depth, Purpose::Survival);
+                    // a NaN probability must end the walk, not prolong it
+                    u.next_1d() < probability
+                }
+            }
+        });
+        for rank in ranks.drain(survivors..) {
+            let lane = &mut lanes[rank as usize];
+            if !(lane.visit.survival >= 0.0) {
+                // dying more often than always would be a silent bias: poison the score, the replay names the place
+                observer.survival(&lane.visit.point, lane.visit.survival);
+                lane.score = G::Value::from_components(|_| f64::NAN);
+            }
+            ended(lane.end(equation, scoring, if depth >= cut { End::Cut } else { End::Roulette }, observer));
         }
-        if depth == max_steps {
-            break End::TooLong;
+        let steppers = if depth == max_steps {
+            0
+        } else {
+            close_ranks(lanes, ranks, |Lane { visit, step, u, .. }| {
+                u.seek(depth, Purpose::Move);
+                *step = kernel.step(&visit.point, u);
+                if let Some(step) = step {
+                    observer.step(&visit.point, &step.point(), &step.weight(), step.raw_pdf());
+                }
+                step.is_some()
+            })
+        };
+        steps += steppers as u64;
+        for rank in ranks.drain(steppers..) {
+            let end = if depth == max_steps { End::TooLong } else { End::Absorbed };
+            ended(lanes[rank as usize].end(equation, scoring, end, observer));
         }
-        u.seek(depth, Purpose::Move);
-        let Some(step) = kernel.step(&visit.point, u) else { break End::Absorbed };
-        let (from, pdf) = (visit.point, step.raw_pdf());
-        observer.step(&from, &step.point(), &step.weight(), pdf);
-        let arrival = Arrival::Step { from, pdf: pdf * visit.survival };
-        visit = Visit { point: step.point(), weight: weight.then(step.weight()), survival: 1.0 };
         depth += 1;
-        observer.vertex(&visit.point, &visit.weight);
-        scoring.arrival(equation, &visit, arrival, &mut score, observer);
-    };
-    scoring.end(equation, &visit, &mut score, observer);
-    Outcome { score, steps: depth, end }
+    }
+    steps
+}
+
+impl<X: Copy, W: Weight, S> Lane<X, W, S> {
+    #[inline]
+    fn end<G, K, C, O>(&mut self, equation: &Equation<G, K>, scoring: &C, end: End, observer: &mut O) -> Outcome<W::Value>
+    where
+        G: Source<Value = W::Value, Point = X>,
+        K: Operator<Point = X, Weight = W>,
+        C: Scoring<G, K>,
+        O: Observer<X, W>,
+    {
+        scoring.end(equation, &self.visit, &mut self.score, observer);
+        Outcome { walk: self.walk, score: self.score, end }
+    }
+}
+
+/// Moves the ranks of the lanes that `go_on` to the front, in their order; returns how many.
+#[inline]
+fn close_ranks<T>(lanes: &mut [T], ranks: &mut [u32], mut go_on: impl FnMut(&mut T) -> bool) -> usize {
+    let mut kept = 0;
+    for i in 0..ranks.len() {
+        let goes_on = go_on(&mut lanes[ranks[i] as usize]);
+        // an unconditional swap, of numbers and not of lanes: no branch on what no predictor can guess, no copies of walks
+        ranks.swap(kept, i);
+        kept += usize::from(goes_on);
+    }
+    kept
 }

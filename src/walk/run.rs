@@ -1,7 +1,7 @@
 //! Many walks: cut into chunks by the problem, never by the thread; merged serially in index order.
 
-use super::driver::{End, backward};
-use super::observer::{Observer, Recorder, Trace};
+use super::driver::{End, Lane, backward};
+use super::observer::{Recorder, Trace};
 use super::scoring::Scoring;
 use super::{Ending, Walk};
 use crate::detector::Detector;
@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 
 /// Walks in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 const CHUNK: u64 = 1024;
+/// Walks abreast: enough to hide latencies, few enough for the first cache.
+const FRONT: usize = 128;
 /// Chunks in flight before they are merged: bounds memory on long runs.
 const BATCH: usize = 4096;
 /// Detectors with more cells keep no tails: 256 numbers a cell would outweigh an image.
@@ -189,24 +191,31 @@ where
     fn chunk(&self, cell: usize, replicate: u32, from: u64, to: u64) -> Result<Chunk<G::Value>, Error> {
         let mut scores = vec![G::Value::ZERO; (to - from) as usize];
         let (mut steps, mut cut) = (0, 0);
-        // all points first: a tight loop that leaves the walks their registers
-        let points: Vec<_> = self.walk.sequence.points(cell as u64, replicate, from..to).collect();
-        for (i, (score, point)) in scores.iter_mut().zip(&points).enumerate() {
-            let outcome = one_walk(&self.walk, self.equation, self.detector, cell, &mut point.clone(), &mut ());
-            match outcome.end {
-                End::Cut => cut += 1,
-                End::TooLong => return Err(Error::WalkTooLong { cell, walk: from + i as u64, steps: outcome.steps }),
-                End::Absorbed | End::Roulette => {}
+        let mut points = self.walk.sequence.points(cell as u64, replicate, from..to);
+        let (mut lanes, mut ranks) = (Vec::with_capacity(FRONT.min(scores.len())), Vec::new());
+        for (scores, first) in scores.chunks_mut(FRONT).zip((from..).step_by(FRONT)) {
+            lanes.clear();
+            lanes.extend(points.by_ref().take(FRONT).enumerate().map(|(i, u)| start(self.detector, cell, i, u)));
+            let mut too_long = None;
+            let Walk { scoring, ending, max_steps, .. } = &self.walk;
+            steps += backward(self.equation, scoring, ending, *max_steps, &mut lanes, &mut ranks, &mut (), |walk| {
+                match walk.end {
+                    End::Cut => cut += 1,
+                    End::TooLong => too_long = too_long.or(Some(walk.walk)),
+                    End::Absorbed | End::Roulette => {}
+                }
+                scores[walk.walk] = walk.score;
+            });
+            if let Some(i) = too_long {
+                return Err(Error::WalkTooLong { cell, walk: first + i as u64, steps: *max_steps });
             }
-            steps += outcome.steps;
-            *score = outcome.score;
         }
         let moments = Moments::from_scores(&scores);
         if !(moments.mean.all_finite() && moments.m4.all_finite()) {
             self.explain(cell, replicate, from, &scores)?;
         }
         let tail = match &self.state.cells[cell].tail {
-            Some(tail) => Tail::of_block(&scores, tail.threshold()),
+            Some(tail) => Tail::of_block(&scores, moments.nonzero, tail.threshold()),
             None => Tail::default(),
         };
         Ok(Chunk { moments, tail, steps, cut })
@@ -257,28 +266,11 @@ where
     }
 }
 
+/// A walk at its start.
 #[inline]
-fn one_walk<G, K, D, C, E, Q, S, O>(
-    walk: &Walk<C, E, Q>,
-    equation: &Equation<G, K>,
-    detector: &D,
-    cell: usize,
-    u: &mut S,
-    observer: &mut O,
-) -> super::driver::Outcome<G::Value>
-where
-    G: Source,
-    K: Transition + Operator<Point = G::Point>,
-    K::Weight: Weight<Value = G::Value>,
-    C: Scoring<G, K>,
-    E: Ending<K>,
-    D: Detector<Point = G::Point>,
-    S: Sampler,
-    O: Observer<K::Point, K::Weight>,
-{
+fn start<D: Detector, W: Weight, S: Sampler>(detector: &D, cell: usize, walk: usize, mut u: S) -> Lane<D::Point, W, S> {
     u.seek(0, Purpose::Start);
-    let start = detector.start(cell, u);
-    backward(equation, &walk.scoring, &walk.ending, walk.max_steps, start, u, observer)
+    Lane::new(walk, detector.start(cell, &mut u), u)
 }
 
 /// One walk again, recorded.
@@ -300,7 +292,8 @@ where
     D: Detector<Point = G::Point>,
 {
     let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
-    let mut u = walk.sequence.point(cell as u64, replicate, index);
-    let outcome = one_walk(walk, equation, detector, cell, &mut u, &mut recorder);
-    (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.score, end: outcome.end })
+    let mut lane = [start(detector, cell, 0, walk.sequence.point(cell as u64, replicate, index))];
+    let mut outcome = (G::Value::ZERO, End::TooLong);
+    backward(equation, &walk.scoring, &walk.ending, walk.max_steps, &mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
+    (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.0, end: outcome.1 })
 }
