@@ -179,6 +179,9 @@ pub enum Error {
         /// What can be drawn.
         requirement: &'static str,
     },
+    /// A file that is no equation at all: not JSON, or a field missing or of the wrong type.
+    #[error("not an equation file: {0}")]
+    Malformed(String),
     /// Text that is not an equation this crate can state.
     #[error("cannot state the equation: {0}")]
     Formula(String),

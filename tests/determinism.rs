@@ -130,7 +130,7 @@ fn a_walk_can_be_replayed() {
     let eq = equation!();
     let walk = Walk::next_event().samples_per_cell(64).seed(8);
     let e = eq.at(0.5).solve(&walk).unwrap();
-    let scores: Vec<f64> = (0..64).map(|i| walk.trace(&eq, &fredholm::detector::At(0.5), 0, i).score).collect();
+    let scores: Vec<f64> = (0..64).map(|i| walk.trace(&eq, &fredholm::detector::At(0.5), 0, i).unwrap().score).collect();
     let m = fredholm::statistics::Moments::from_scores(&scores);
     assert_eq!((m.mean, m.m2), (e.moments.mean, e.moments.m2));
 }

@@ -431,7 +431,7 @@ fn the_variance_estimator_is_unbiased() {
 fn a_trace_tells_the_whole_score() {
     let eq = Chain::example().equation();
     for walk in 0..50 {
-        let t = analog().seed(3).trace(&eq, &At(2usize), 0, walk);
+        let t = analog().seed(3).trace(&eq, &At(2usize), 0, walk).unwrap();
         assert_eq!(t.vertices[0].point, 2);
         assert!((t.score - t.vertices.iter().map(|v| v.score).sum::<f64>()).abs() < 1e-15);
     }

@@ -4,7 +4,7 @@
 //! which leaves every integral as it is.
 
 use super::expression::Expression;
-use super::fields::{Fields, formula, kind, message, number, refuse};
+use super::fields::{Fields, formula, kind, malformed, number, within};
 use super::product::Product;
 use super::region::MOST_COORDINATES;
 use super::stated::{Binary, Reader, Stated, Unary};
@@ -28,12 +28,12 @@ pub(super) fn boxed<const D: usize>(
     let d = sides.len();
     let domain = Cuboid::from(std::array::from_fn(|i| sides.get(i).map_or(0.0..=1.0, |&(a, b)| a..=b)));
     let text = formula(fields.required("kernel")?, "field `kernel`")?;
-    let kernel = kernel::<D>(&text, d, parameters).map_err(|e| Error::Formula(format!("kernel: {}", message(&e))))?;
+    let kernel = kernel::<D>(&text, d, parameters).map_err(|e| within("kernel", e))?;
     let function = move |value: &Value| source::<D>(&formula(value, "it")?, d, parameters);
     let place = move |value: &Value| {
-        let Value::Array(list) = value else { return refuse(format!("it is {}, not a list of {d} coordinates", kind(value))) };
+        let Value::Array(list) = value else { return malformed(format!("it is {}, not a list of {d} coordinates", kind(value))) };
         if list.len() != d {
-            return refuse(format!("{} coordinates where {d} are needed", list.len()));
+            return malformed(format!("{} coordinates where {d} are needed", list.len()));
         }
         let mut x = [0.5; D];
         for (x, value) in x.iter_mut().zip(list) {

@@ -9,6 +9,18 @@ pub(super) fn refuse<T>(message: impl Into<String>) -> Result<T, Error> {
     Err(Error::Formula(message.into()))
 }
 
+pub(super) fn malformed<T>(message: impl Into<String>) -> Result<T, Error> {
+    Err(Error::Malformed(message.into()))
+}
+
+/// The same error, with the place where it happened before the message.
+pub(super) fn within(place: &str, e: Error) -> Error {
+    match e {
+        Error::Malformed(message) => Error::Malformed(format!("{place}: {message}")),
+        other => Error::Formula(format!("{place}: {}", message(&other))),
+    }
+}
+
 /// The fields of an equation file.
 pub(super) struct Fields(Map<String, Value>);
 
@@ -16,15 +28,15 @@ impl Fields {
     pub(super) fn parse(text: &str) -> Result<Self, Error> {
         match serde_json::from_str(text) {
             Ok(Value::Object(map)) => Ok(Fields(map)),
-            Ok(other) => refuse(format!("the file holds {}, not an object `{{…}}` of fields", kind(&other))),
-            Err(e) => refuse(format!("not JSON: {e}")),
+            Ok(other) => malformed(format!("the file holds {}, not an object `{{…}}` of fields", kind(&other))),
+            Err(e) => malformed(format!("not JSON: {e}")),
         }
     }
 
     pub(super) fn required(&self, field: &str) -> Result<&Value, Error> {
         match self.optional(field) {
             Some(value) => Ok(value),
-            None => refuse(format!("field `{field}` is missing")),
+            None => malformed(format!("field `{field}` is missing")),
         }
     }
 
@@ -37,7 +49,7 @@ impl Fields {
         match self.optional(field) {
             None => Ok(None),
             Some(Value::String(s)) => Ok(Some(s.clone())),
-            Some(other) => refuse(format!("field `{field}` is {}, not a text", kind(other))),
+            Some(other) => malformed(format!("field `{field}` is {}, not a text", kind(other))),
         }
     }
 
@@ -46,7 +58,7 @@ impl Fields {
         match self.optional(field) {
             None => Ok(&[]),
             Some(Value::Array(list)) => Ok(list),
-            Some(other) => refuse(format!("field `{field}` is {}, not a list", kind(other))),
+            Some(other) => malformed(format!("field `{field}` is {}, not a list", kind(other))),
         }
     }
 
@@ -55,7 +67,7 @@ impl Fields {
         let map = match self.optional("parameters") {
             None => return Ok(Parameters::new()),
             Some(Value::Object(map)) => map,
-            Some(other) => return refuse(format!("field `parameters` is {}, not an object of names and numbers", kind(other))),
+            Some(other) => return malformed(format!("field `parameters` is {}, not an object of names and numbers", kind(other))),
         };
         let mut parameters = Parameters::new();
         for (name, value) in map {
@@ -93,7 +105,7 @@ fn string(value: &Value) -> Option<&String> {
 /// The message of an error without the words all formula errors start with.
 pub(super) fn message(e: &Error) -> String {
     match e {
-        Error::Formula(message) => message.clone(),
+        Error::Formula(message) | Error::Malformed(message) => message.clone(),
         other => other.to_string(),
     }
 }
@@ -103,13 +115,13 @@ pub(super) fn formula(value: &Value, what: &str) -> Result<String, Error> {
     match value {
         Value::String(s) => Ok(s.clone()),
         Value::Number(n) => Ok(n.to_string()),
-        other => refuse(format!("{what} is {}, not a formula", kind(other))),
+        other => malformed(format!("{what} is {}, not a formula", kind(other))),
     }
 }
 
 /// A number, given as such or as a formula of the parameters.
 pub(super) fn number(value: &Value, what: &str, parameters: &Parameters) -> Result<f64, Error> {
-    constant(&formula(value, what)?, parameters).map_err(|e| Error::Formula(format!("{what}: {}", message(&e))))
+    constant(&formula(value, what)?, parameters).map_err(|e| within(what, e))
 }
 
 /// A list written in JSON, or as a text in Python's way with single quotes.
@@ -120,7 +132,7 @@ pub(super) fn list(value: &Value, what: &str) -> Result<Vec<Value>, Error> {
     };
     match parsed {
         Value::Array(list) => Ok(list),
-        _ => refuse(format!("{what} is {}, not a list", kind(value))),
+        _ => malformed(format!("{what} is {}, not a list", kind(value))),
     }
 }
 

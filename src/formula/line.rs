@@ -1,7 +1,7 @@
 //! Equations and systems on an interval or a half line, and finite linear systems.
 
 use super::expression::Expression;
-use super::fields::{Fields, formula, list, message, number, refuse};
+use super::fields::{Fields, formula, list, malformed, number, refuse, within};
 use super::product::split_top_level;
 use super::stated::{Binary, Reader, Stated, Unary, components};
 use super::translate::Parameters;
@@ -16,14 +16,14 @@ fn names(list: &[&str]) -> Vec<String> {
     list.iter().map(|s| (*s).to_string()).collect()
 }
 
-fn in_kernel(e: &Error) -> Error {
-    Error::Formula(format!("kernel: {}", message(e)))
+fn in_kernel(e: Error) -> Error {
+    within("kernel", e)
 }
 
 /// K(x, y) and g(x) on a one-dimensional domain.
 pub(super) fn scalar<D: Domain<Point = f64>>(fields: &Fields, parameters: &Parameters, domain: D) -> Read<D> {
     let text = formula(fields.required("kernel")?, "field `kernel`")?;
-    let kernel = Expression::<3>::parse(&text, &names(&["x", "y", "t"]), parameters).map_err(|e| in_kernel(&e))?;
+    let kernel = Expression::<3>::parse(&text, &names(&["x", "y", "t"]), parameters).map_err(in_kernel)?;
     let kernel: Binary<D> = Arc::new(move |&x, &y| kernel.eval(&[x, y, (x - y).abs()]));
     let function = |value: &Value| -> Result<Unary<D>, Error> {
         let h = Expression::<1>::parse(&formula(value, "it")?, &names(&["x"]), parameters)?;
@@ -40,14 +40,14 @@ pub(super) fn scalar<D: Domain<Point = f64>>(fields: &Fields, parameters: &Param
 pub(super) fn system(fields: &Fields, parameters: &Parameters, interval: Interval, count: usize) -> Read<Grouped<Interval>> {
     let rows = list(fields.required("kernel")?, "field `kernel`")?;
     if rows.len() != count {
-        return refuse(format!("kernel: {} rows where {count} are needed", rows.len()));
+        return malformed(format!("kernel: {} rows where {count} are needed", rows.len()));
     }
     let mut entries = Vec::new();
     for (i, row) in rows.iter().enumerate() {
         let row = list(row, "a row").and_then(|r| components(&Value::Array(r), count));
-        let row = row.map_err(|e| Error::Formula(format!("kernel row {}: {}", i + 1, message(&e))))?;
+        let row = row.map_err(|e| within(&format!("kernel row {}", i + 1), e))?;
         for text in row {
-            entries.push(Expression::<3>::parse(&text, &names(&["x", "y", "t"]), parameters).map_err(|e| in_kernel(&e))?);
+            entries.push(Expression::<3>::parse(&text, &names(&["x", "y", "t"]), parameters).map_err(in_kernel)?);
         }
     }
     let kernel: Binary<Grouped<Interval>> = Arc::new(move |&(x, i), &(y, j)| entries[i * count + j].eval(&[x, y, (x - y).abs()]));
@@ -89,12 +89,12 @@ pub(super) fn surfaces(fields: &Fields, parameters: &Parameters) -> Read<Grouped
     let factors = definition("F")?;
     let count = reflectivity.len();
     if count == 0 || factors.len() != count {
-        return refuse(format!("kernel: F has {} rows for {count} reflectivities", factors.len()));
+        return malformed(format!("kernel: F has {} rows for {count} reflectivities", factors.len()));
     }
     let mut entries = Vec::new();
     for (rho, row) in reflectivity.iter().zip(&factors) {
         let rho = number(rho, "kernel: rho", parameters)?;
-        let row = components(row, count).map_err(|e| in_kernel(&e))?;
+        let row = components(row, count).map_err(in_kernel)?;
         for factor in row {
             entries.push(rho * number(&Value::String(factor), "kernel: F", parameters)?);
         }
@@ -102,7 +102,7 @@ pub(super) fn surfaces(fields: &Fields, parameters: &Parameters) -> Read<Grouped
     let kernel: Binary<Grouped<Interval>> = Arc::new(move |&(_, i), &(_, j)| entries[i * count + j]);
     let (points, values) = (fields.list("points")?, fields.list("values")?);
     if points.len().max(values.len()) > count {
-        return refuse(format!("{} points and {} values for {count} surfaces", points.len(), values.len()));
+        return malformed(format!("{} points and {} values for {count} surfaces", points.len(), values.len()));
     }
     // points are names of the surfaces, in order
     let place = move |value: &Value| match points.iter().position(|p| p == value) {

@@ -1,7 +1,7 @@
 //! A file, and the equation it states.
 
 use super::boxes::boxed;
-use super::fields::{Fields, refuse};
+use super::fields::{Fields, malformed, refuse};
 use super::line::{scalar, surfaces, system};
 use super::region::{Region, region};
 use super::stated::Stated;
@@ -95,7 +95,8 @@ impl Problem {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Formula`] if it does not state an equation, or one that this crate cannot state.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is no equation file; [`Error::Formula`] if this crate cannot state its
+    /// equation.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path);
@@ -106,7 +107,7 @@ impl Problem {
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// [`Error::Formula`], as for [`read`](Problem::read).
+    /// [`Error::Malformed`] and [`Error::Formula`], as for [`read`](Problem::read).
     pub fn parse(text: &str) -> Result<Self, Error> {
         Self::named(text, "equation".into())
     }
@@ -119,7 +120,7 @@ impl Problem {
             None => None,
             Some(v) => match v.as_u64().and_then(|d| u32::try_from(d).ok()) {
                 Some(d) if d > 0 => Some(d),
-                _ => return refuse(format!("field `digits` is {v}, not a positive whole number")),
+                _ => return malformed(format!("field `digits` is {v}, not a positive whole number")),
             },
         };
         let (statement, skipped) = state(&fields)?;
@@ -128,7 +129,7 @@ impl Problem {
 }
 
 fn state(fields: &Fields) -> Result<(Statement, Vec<String>), Error> {
-    let Some(domain) = fields.text("domain")? else { return refuse("field `domain` is missing") };
+    let Some(domain) = fields.text("domain")? else { return malformed("field `domain` is missing") };
     for field in ["kernel", "source"] {
         let words = fields.required(field)?.as_str().unwrap_or_default();
         if words.contains("eigenproblem") {

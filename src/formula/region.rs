@@ -10,6 +10,7 @@
 //! | `… z in [-1,1] …` | words around exactly one interval |
 
 use super::expression::constant;
+use super::fields::message;
 use super::translate::Parameters;
 use crate::error::Error;
 
@@ -97,7 +98,7 @@ fn factor(text: &str, parameters: &Parameters) -> Result<(Factor, usize, usize),
         return Ok((Factor::Components(components(&text[1..close], parameters)?), 1, close + 1));
     }
     let (comma, close) = bracket(text)?;
-    let end = |text: &str| constant(text, parameters).map_err(|e| inner(&e));
+    let end = |text: &str| constant(text, parameters).map_err(|e| message(&e));
     let lower = end(&text[1..comma])?;
     let infinite = matches!(text[comma + 1..close].trim(), "infinity" | "inf" | "oo" | "∞");
     let f = if infinite { Factor::HalfLine(lower) } else { Factor::Finite(lower, end(&text[comma + 1..close])?) };
@@ -137,17 +138,9 @@ fn components(text: &str, parameters: &Parameters) -> Result<usize, String> {
 }
 
 fn whole(text: &str, what: &str, most: f64, parameters: &Parameters) -> Result<usize, String> {
-    let value = constant(text, parameters).map_err(|e| inner(&e))?;
+    let value = constant(text, parameters).map_err(|e| message(&e))?;
     if value.fract() == 0.0 && (1.0..=most).contains(&value) {
         return Ok(value as usize);
     }
     Err(format!("{what} is {value}, not a whole number from 1 to {most}"))
-}
-
-/// The message without the words that every formula error starts with.
-fn inner(e: &Error) -> String {
-    match e {
-        Error::Formula(message) => message.clone(),
-        other => other.to_string(),
-    }
 }

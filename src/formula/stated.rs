@@ -1,6 +1,6 @@
 //! An equation read from text, on one type of domain, with what is known about its solution.
 
-use super::fields::{Fields, formula, kind, message, number, refuse};
+use super::fields::{Fields, formula, kind, malformed, message, number, refuse, within};
 use super::functional::KnownFunctional;
 use super::translate::Parameters;
 use crate::domain::Domain;
@@ -94,7 +94,7 @@ impl<D: Domain> Reader<'_, D> {
     /// Reads source, points, values and functionals; also why functionals were left out.
     pub(super) fn read(&self, fields: &Fields) -> Result<(Stated<D>, Vec<String>), Error> {
         self.domain.validate()?;
-        let source = (self.function)(fields.required("source")?).map_err(|e| Error::Formula(format!("source: {}", message(&e))))?;
+        let source = (self.function)(fields.required("source")?).map_err(|e| within("source", e))?;
         let mut skipped = Vec::new();
         let mut functionals = Vec::new();
         for entry in fields.list("functionals")? {
@@ -113,11 +113,11 @@ impl<D: Domain> Reader<'_, D> {
             return Ok(self.inside());
         }
         if !values.is_empty() && values.len() != points.len() {
-            return refuse(format!("{} points, but {} values", points.len(), values.len()));
+            return malformed(format!("{} points, but {} values", points.len(), values.len()));
         }
         let mut known = Vec::new();
         for (i, point) in points.iter().enumerate() {
-            let places = (self.place)(point).map_err(|e| Error::Formula(format!("points[{i}]: {}", message(&e))))?;
+            let places = (self.place)(point).map_err(|e| within(&format!("points[{i}]"), e))?;
             if let Some((_, label)) = places.iter().find(|(p, _)| !self.domain.contains(p)) {
                 return refuse(format!("points[{i}]: {label} lies outside the domain"));
             }
@@ -132,9 +132,9 @@ impl<D: Domain> Reader<'_, D> {
         match value {
             None => Ok(vec![None; count]),
             Some(Value::Array(list)) if list.len() == count => list.iter().map(|v| number(v, &what, self.parameters).map(Some)).collect(),
-            Some(Value::Array(list)) => refuse(format!("{what} has {} numbers where {count} are needed", list.len())),
+            Some(Value::Array(list)) => malformed(format!("{what} has {} numbers where {count} are needed", list.len())),
             Some(one) if count == 1 => Ok(vec![Some(number(one, &what, self.parameters)?)]),
-            Some(other) => refuse(format!("{what} is {}, not a list of {count} numbers", kind(other))),
+            Some(other) => malformed(format!("{what} is {}, not a list of {count} numbers", kind(other))),
         }
     }
 
@@ -165,5 +165,5 @@ pub(super) fn components(value: &Value, count: usize) -> Result<Vec<String>, Err
         Value::Array(list) => list.iter().map(|v| formula(v, "a component")).collect::<Result<_, _>>()?,
         other => formula(other, "a list of components")?.split(';').map(|s| s.trim().to_string()).collect(),
     };
-    if list.len() == count { Ok(list) } else { refuse(format!("{} components where {count} are needed", list.len())) }
+    if list.len() == count { Ok(list) } else { malformed(format!("{} components where {count} are needed", list.len())) }
 }

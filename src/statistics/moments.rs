@@ -76,8 +76,13 @@ impl<V: Value> Moments<V> {
             [d, d2, d2.zip(d, |a, b| a * b), d2.zip(d2, |a, b| a * b)]
         });
         let nonzero = scores.iter().map(|y| u64::from(y.magnitude() != 0.0)).sum();
-        // the mean's own rounding leaves Σd ≠ 0; corrected as in Chan, Golub, LeVeque (1983), eq. (1.7)
+        // the mean's own rounding leaves Σd ≠ 0: moments about mean + Σd/n instead (order two: Chan, Golub, LeVeque (1983), eq. (1.7))
         let shift = d1.scale(1.0 / n);
+        let s = |i: usize| shift.component(i);
+        let m4 = V::from_components(|i| {
+            m4.component(i) + s(i) * (s(i) * (6.0 * m2.component(i) - 3.0 * n * s(i) * s(i)) - 4.0 * m3.component(i))
+        });
+        let m3 = V::from_components(|i| m3.component(i) + s(i) * (2.0 * n * s(i) * s(i) - 3.0 * m2.component(i)));
         let m2 = m2 - d1.zip(shift, |a, b| a * b);
         Moments { count: scores.len() as u64, nonzero, mean: mean + shift, m2, m3, m4 }
     }

@@ -131,7 +131,9 @@ where
                 observer.survival(&lane.visit.point, lane.visit.survival);
                 lane.score = G::Value::from_components(|_| f64::NAN);
             }
-            ended(lane.end(equation, scoring, if depth >= cut { End::Cut } else { End::Roulette }, observer));
+            // a walk of weight 0 has nothing left to lose: no bias
+            let cut = depth >= cut && lane.visit.weight.norm() != 0.0;
+            ended(lane.end(equation, scoring, if cut { End::Cut } else { End::Roulette }, observer));
         }
         let steppers = if depth == max_steps {
             0

@@ -75,6 +75,9 @@ impl Walk<Collision, FixedDepth> {
 
 impl Walk<Collision, Subcritical> {
     /// Survives with probability M(x), weights near 1 (theory (4.2.5)); needs [`RowMass`](crate::kernel::RowMass).
+    ///
+    /// For kernels with a proposal. A kernel of your own whose `step` already absorbs with probability 1 − M(x) would die twice: unbiased, but
+    /// with needless variance; walk it by [`OwnAbsorption`].
     pub fn subcritical() -> Self {
         Walk::new(Collision, Subcritical)
     }
@@ -166,11 +169,21 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
     /// ```
     /// # use fredholm::{Equation, Walk, detector::At};
     /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
-    /// let trace = Walk::collision().seed(7).trace(&eq, &At(0.5), 0, 3);
+    /// let trace = Walk::collision().seed(7).trace(&eq, &At(0.5), 0, 3)?;
     /// assert_eq!(trace.vertices[0].point, 0.5);
     /// assert_eq!(trace.score, trace.vertices.iter().map(|v| v.score).sum::<f64>());
+    /// # Ok::<(), fredholm::Error>(())
     /// ```
-    pub fn trace<G, K, D>(&self, equation: &Equation<G, K>, detector: &D, cell: usize, walk: u64) -> Trace<K::Point, K::Weight>
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a cell that the detector does not have, and whatever is refused before the first walk.
+    pub fn trace<G, K, D>(
+        &self,
+        equation: &Equation<G, K>,
+        detector: &D,
+        cell: usize,
+        walk: u64,
+    ) -> Result<Trace<K::Point, K::Weight>, Error>
     where
         G: Source,
         K: Transition + Operator<Point = G::Point>,
@@ -179,7 +192,11 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         E: Ending<K>,
         D: Detector<Point = G::Point>,
     {
-        run::replay(self, equation, detector, cell, 0, walk).1
+        self.prepare(equation, detector)?;
+        if cell >= detector.cells() {
+            return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
+        }
+        Ok(run::replay(self, equation, detector, cell, 0, walk).1)
     }
 
     /// Everything that can be refused before the first walk; returns what is known of the truncation bias.
@@ -219,7 +236,11 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
             depth,
             walks: 0,
             bias_bound: match &series {
-                Series::Known(s) => s.truncation_bound(depth, |x| equation.source().eval(x)),
+                // |⟨h, Σ_{n > D} Tⁿg⟩| ≤ ∫|h| · sup
+                Series::Known(s) => {
+                    let sup = s.truncation_bound(depth, |x| equation.source().eval(x));
+                    sup.zip(detector.norm()).map(|(sup, norm)| sup * norm)
+                }
                 Series::Unknown => None,
             },
         }))

@@ -294,6 +294,8 @@ where
     let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
     let mut lane = [start(detector, cell, 0, walk.sequence.point(cell as u64, replicate, index))];
     let mut outcome = (G::Value::ZERO, End::TooLong);
-    backward(equation, &walk.scoring, &walk.ending, walk.max_steps, &mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
+    backward(equation, &walk.scoring, &walk.ending, walk.max_steps, &mut lane, &mut Vec::new(), &mut recorder, |walk| {
+        outcome = (walk.score, walk.end)
+    });
     (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.0, end: outcome.1 })
 }
