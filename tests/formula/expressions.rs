@@ -87,7 +87,7 @@ fn errors_name_what_is_wrong() {
         ("x // 2", "found `/`"),
         ("x = 2", "`=` has no meaning"),
         ("1e999", "too large"),
-        ("1..2", "no number"),
+        ("1..2", "unexpected"),
         ("x; y", "`;` has no meaning"),
     ] {
         let e = Expression::new(text, ["x", "y"], &[]).expect_err(text).to_string();

@@ -125,7 +125,7 @@ fn systems_boxes_and_surfaces() {
         ("[0,1]^3", r#""prod_i k(x_i,y_i), k=x*z""#, r#""1""#, "unknown name `z`"),
         ("surfaces", r#""F=[['0','1'],['1','0']]""#, r#""['1','1']""#, "`rho=[…]` is missing"),
         ("surfaces", r#""rho=['0.5','0.5'], F=[['0','1']]""#, r#""['1','1']""#, "F has 1 rows for 2"),
-        ("surfaces", r#""rho=[, F=[]""#, r#""['1','1']""#, "missing"),
+        ("surfaces", r#""rho=[, F=[]""#, r#""['1','1']""#, "not a list"),
     ] {
         let e = Problem::parse(&equation(domain, kernel, source)).expect_err(kernel).to_string();
         assert!(e.contains(wanted), "{domain}, {kernel}: {e}");
