@@ -285,7 +285,7 @@ where
                 let x = place(from, 0.5);
                 let c = components::<K>();
                 let mut moments = vec![0.0; basis.len() * c * c];
-                Target::new(self.equation.kernel(), &x).moments(state, (a, b), basis, basis.rule(), &mut moments)?;
+                Target::new(self.equation.kernel(), &x).moments(state, (a, b), basis, basis, &mut moments)?;
                 mass = mass.max(moments.iter().map(|m| m.abs()).sum());
             }
             worst = worst.max(tail * mass.min(1.0));

@@ -13,6 +13,8 @@ use crate::domain::Node;
 pub(crate) struct Basis {
     rule: Vec<Node<f64>>,
     scale: Vec<f64>,
+    /// ℓ_j′(u_k) at k · len + j
+    slopes: Vec<f64>,
 }
 
 impl Basis {
@@ -21,13 +23,37 @@ impl Basis {
         let rule = unit_rule(order);
         let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let scale = rule.iter().enumerate().map(|(k, n)| sign(k) * (n.point * (1.0 - n.point) * n.weight).sqrt()).collect();
-        Basis { rule, scale }
+        Basis::new(rule, scale)
     }
 
     /// The two halves of hat functions on an element: linear functions through its ends.
     pub(crate) fn hats() -> Self {
         let rule = [0.0, 1.0].map(|point| Node { point, weight: 0.5 }).to_vec();
-        Basis { rule, scale: vec![1.0, -1.0] }
+        Basis::new(rule, vec![1.0, -1.0])
+    }
+
+    /// Slopes at the nodes: Berrut, Trefethen (2004), (9.4), with rows that sum to 0.
+    fn new(rule: Vec<Node<f64>>, scale: Vec<f64>) -> Self {
+        let n = rule.len();
+        let mut slopes = vec![0.0; n * n];
+        for k in 0..n {
+            for j in (0..n).filter(|&j| j != k) {
+                slopes[k * n + j] = scale[j] / scale[k] / (rule[k].point - rule[j].point);
+                slopes[k * n + k] -= slopes[k * n + j];
+            }
+        }
+        Basis { rule, scale, slopes }
+    }
+
+    /// Weights for the nodes u_k + `shifts`_k instead of u_k, to first order in the shifts: φ(u_k) ≈ φ(u_k + δ_k) − δ_k φ′(u_k), with φ′ that of
+    /// the interpolant.
+    pub(crate) fn shifted_weights(&self, shifts: &[f64], out: &mut [f64]) {
+        out.iter_mut().zip(&self.rule).for_each(|(w, n)| *w = n.weight);
+        for ((shift, n), slopes) in shifts.iter().zip(&self.rule).zip(self.slopes.chunks_exact(self.rule.len())) {
+            if *shift != 0.0 {
+                out.iter_mut().zip(slopes).for_each(|(w, slope)| *w -= n.weight * shift * slope);
+            }
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -90,6 +116,16 @@ mod tests {
             let value: f64 = basis.rule().iter().zip(l).map(|(n, l)| l * n.point.powi(8)).sum();
             assert!((value - f64::powi(u, 8)).abs() < 1e-14, "{u}: {value}");
         }
+    }
+
+    #[test]
+    fn shifted_nodes_integrate_as_well() {
+        let basis = Basis::gauss(12);
+        let shifts: Vec<f64> = (0..12).map(|k| 1e-9 * f64::from((7 * k) % 5 - 2)).collect();
+        let mut weights = [0.0; 12];
+        basis.shifted_weights(&shifts, &mut weights);
+        let integral: f64 = basis.rule().iter().zip(&shifts).zip(weights).map(|((n, d), w)| w * (2.0 * (n.point + d)).exp()).sum();
+        assert!((integral - 0.5 * (f64::exp(2.0) - 1.0)).abs() < 4e-15, "{integral}");
     }
 
     #[test]

@@ -16,7 +16,7 @@ use super::grid::MOST_UNKNOWNS;
 use super::linear::Factor;
 use super::near::{Target, components};
 use super::quadrature::unit_rule;
-use crate::domain::{Domain, Node};
+use crate::domain::Domain;
 use crate::equation::{Equation, Everywhere, Method};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
@@ -174,7 +174,7 @@ struct Element {
 fn hat_row<K: Kernel + HasDomain>(kernel: &K, x: &K::Point, elements: usize, out: &mut [f64]) -> Result<u64, Error> {
     let (c, states) = (components::<K>(), kernel.domain().states());
     let width = c * states * (elements + 1);
-    let (basis, pieces): (Basis, Vec<Node<f64>>) = (Basis::hats(), unit_rule(INNER));
+    let (basis, pieces) = (Basis::hats(), Basis::gauss(INNER));
     let target = Target::new(kernel, x);
     let mut block = vec![0.0; 2 * c * c];
     let mut evaluations = 0;

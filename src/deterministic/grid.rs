@@ -2,7 +2,6 @@
 
 use super::basis::Basis;
 use super::near::{Target, components};
-use super::quadrature::unit_rule;
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
@@ -25,7 +24,7 @@ pub(crate) struct Panels {
     pub(crate) breaks: Vec<f64>,
     pub(crate) basis: Basis,
     /// rule for a piece of a near panel
-    pieces: Vec<Node<f64>>,
+    pieces: Basis,
 }
 
 impl Panels {
@@ -75,7 +74,7 @@ impl<X: Point> Grid<X> {
                 nodes.extend(basis.rule().iter().map(|n| node(state, ends[0], ends[1], n)));
             }
         }
-        let pieces = unit_rule(order.max(12));
+        let pieces = Basis::gauss(order.max(12));
         Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }) })
     }
 

@@ -6,7 +6,8 @@
 //!
 //! Where the rest of a side proves smooth, one piece takes it all: kinks and jumps cost hardly more than smooth kernels.
 //!
-//! Floating-point numbers resolve x − y only down to a few ulps of x. Below a distance s that keeps 12 bits of it, the integral is
+//! A point of floating-point numbers lies up to half an ulp off the node it stands for, and a singularity feels where it is: nodes are taken at the
+//! distances they have, with weights for those (first order; [`Basis::shifted_weights`]). Below a distance s that keeps 12 bits of y − x, the integral is
 //! extrapolated from the means m_k of K over [2ᵏs, 2ᵏ⁺¹s]. With δ = (m₂ − m₁)/(m₁ − m₀),
 //!
 //! ```text
@@ -15,7 +16,7 @@
 //! ```
 
 use super::basis::Basis;
-use crate::domain::{Domain, Node};
+use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
 use crate::value::{Value, Weight};
@@ -36,7 +37,7 @@ pub(crate) struct Target<'a, K: HasDomain> {
     resolved: f64,
 }
 
-/// Relative precision of distances: 12 bits, whose effect on a weakly singular integral is 2^{−12} of a share below 2^{−20}.
+/// Relative precision of distances: 12 bits. What the weights do not correct is its square.
 const DISTANCE_BITS: f64 = 1.0 / 4096.0;
 /// Pieces smaller than this share of the panel are extrapolated.
 const SMALLEST_PIECE: f64 = 1.0 / (1u64 << 44) as f64;
@@ -54,7 +55,8 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         let state = domain.state(x);
         let kept = |d: f64| {
             let u = t + d;
-            !(0.0..=1.0).contains(&u) || (domain.coordinate(&domain.place(state, || u).point, 0) - t - d).abs() <= DISTANCE_BITS * d.abs()
+            let apart = |y: &K::Point| domain.separation(x, y);
+            !(0.0..=1.0).contains(&u) || (apart(&domain.place(state, || u).point) - d).abs() <= DISTANCE_BITS * d.abs()
         };
         let mut resolved = 0.125;
         // factors without a short binary expansion: an accidentally exact sum must not pass
@@ -75,11 +77,24 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         state: usize,
         panel: (f64, f64),
         basis: &Basis,
-        rule: &[Node<f64>],
+        rule: &Basis,
         out: &mut [f64],
     ) -> Result<u64, Error> {
         let (a, b) = panel;
-        let mut pieces = Pieces { target: self, state, panel, basis, rule, values: vec![0.0; basis.len()], out, evaluations: 0 };
+        let mut pieces = Pieces {
+            target: self,
+            state,
+            panel,
+            basis,
+            rule,
+            values: vec![0.0; basis.len()],
+            densities: vec![0.0; rule.len() * components::<K>().pow(2)],
+            distances: vec![0.0; rule.len()],
+            shifts: vec![0.0; rule.len()],
+            weights: vec![0.0; rule.len()],
+            out,
+            evaluations: 0,
+        };
         if !self.is_near(panel) {
             let side = if a > self.t { 1.0 } else { -1.0 };
             pieces.add(side, (a - self.t).max(self.t - b), (b - self.t).max(self.t - a))?;
@@ -94,22 +109,23 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         Ok(pieces.evaluations)
     }
 
-    /// K(x, y) dμ/dt at distance r on one side, entry by entry; zero where y cannot be told from x.
-    fn density(&self, state: usize, u: f64, mut add: impl FnMut(usize, f64)) -> Result<(), Error> {
+    /// K(x, y) dμ/dt at the point y nearest to coordinate u, entry by entry, and the distance of y on the side `sign`; zero where y cannot be told
+    /// from x.
+    fn density(&self, state: usize, u: f64, sign: f64, out: &mut [f64]) -> Result<Option<f64>, Error> {
         let domain = self.kernel.domain();
         let y = domain.place(state, || u);
-        if domain.coordinate(&y.point, 0) == self.t {
-            return Ok(());
+        let distance = sign * domain.separation(self.x, &y.point);
+        if !(distance > 0.0) {
+            out.fill(0.0);
+            return Ok(None);
         }
         let k = self.kernel.eval(self.x, &y.point);
         if !k.entries_finite() {
             return Err(Error::non_finite_kernel(self.x, &y.point, &k));
         }
         let c = components::<K>();
-        for e in 0..c * c {
-            add(e, k.entry(e / c, e % c) * y.weight);
-        }
-        Ok(())
+        out.iter_mut().enumerate().for_each(|(e, o)| *o = k.entry(e / c, e % c) * y.weight);
+        Ok(Some(distance))
     }
 }
 
@@ -118,8 +134,13 @@ struct Pieces<'a, 'b, K: HasDomain> {
     state: usize,
     panel: (f64, f64),
     basis: &'b Basis,
-    rule: &'b [Node<f64>],
+    rule: &'b Basis,
     values: Vec<f64>,
+    /// of the piece at hand, node by node: K dμ/dt, distances from x, shifts in units of the piece, weights
+    densities: Vec<f64>,
+    distances: Vec<f64>,
+    shifts: Vec<f64>,
+    weights: Vec<f64>,
     out: &'b mut [f64],
     evaluations: u64,
 }
@@ -145,18 +166,33 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         if nearest < smallest { self.innermost(sign, nearest, outer, smallest) } else { Ok(()) }
     }
 
-    /// The piece at distances [inner, outer] by the Gauss rule.
+    /// Evaluates K on the nodes of the piece at distances [inner, outer].
+    fn visit(&mut self, sign: f64, inner: f64, outer: f64) -> Result<(), Error> {
+        let c2 = components::<K>().pow(2);
+        let h = outer - inner;
+        for (k, n) in self.rule.rule().iter().enumerate() {
+            let r = inner + h * n.point;
+            let density = &mut self.densities[k * c2..(k + 1) * c2];
+            let at = self.target.density(self.state, self.target.t + sign * r, sign, density)?.unwrap_or(r);
+            self.distances[k] = at;
+            self.shifts[k] = (at - r) / h;
+        }
+        self.rule.shifted_weights(&self.shifts, &mut self.weights);
+        self.evaluations += self.rule.len() as u64;
+        Ok(())
+    }
+
+    /// Adds the piece at distances [inner, outer].
     fn add(&mut self, sign: f64, inner: f64, outer: f64) -> Result<(), Error> {
+        self.visit(sign, inner, outer)?;
         let (a, b) = self.panel;
         let c2 = components::<K>().pow(2);
-        for n in self.rule {
-            let u = self.target.t + sign * (inner + (outer - inner) * n.point);
-            self.basis.values((u - a) / (b - a), &mut self.values);
-            let w = n.weight * (outer - inner);
-            let (values, out) = (&self.values, &mut *self.out);
-            self.target.density(self.state, u, |e, k| values.iter().enumerate().for_each(|(l, v)| out[l * c2 + e] += w * k * v))?;
+        for ((w, r), density) in self.weights.iter().zip(&self.distances).zip(self.densities.chunks_exact(c2)) {
+            self.basis.values((self.target.t + sign * r - a) / (b - a), &mut self.values);
+            for (out, v) in self.out.chunks_exact_mut(c2).zip(&self.values) {
+                out.iter_mut().zip(density).for_each(|(o, k)| *o += w * (outer - inner) * k * v);
+            }
         }
-        self.evaluations += self.rule.len() as u64;
         Ok(())
     }
 
@@ -188,12 +224,11 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
 
     /// ∫ K dμ over distances [inner, outer], entry by entry.
     fn mass(&mut self, sign: f64, inner: f64, outer: f64) -> Result<Vec<f64>, Error> {
+        self.visit(sign, inner, outer)?;
         let mut sum = vec![0.0; components::<K>().pow(2)];
-        for n in self.rule {
-            let u = self.target.t + sign * (inner + (outer - inner) * n.point);
-            self.target.density(self.state, u, |e, k| sum[e] += n.weight * (outer - inner) * k)?;
+        for (w, density) in self.weights.iter().zip(self.densities.chunks_exact(sum.len())) {
+            sum.iter_mut().zip(density).for_each(|(s, k)| *s += w * (outer - inner) * k);
         }
-        self.evaluations += self.rule.len() as u64;
         Ok(sum)
     }
 }

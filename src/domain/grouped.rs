@@ -83,6 +83,10 @@ impl<D: Domain> Domain for Grouped<D> {
         self.domain.coordinate(&x.0, axis)
     }
 
+    fn separation(&self, x: &Self::Point, y: &Self::Point) -> f64 {
+        self.domain.separation(&x.0, &y.0)
+    }
+
     fn state(&self, x: &Self::Point) -> usize {
         x.1
     }

@@ -89,4 +89,10 @@ impl Domain for HalfLine {
         let r = x - self.start;
         r / (self.scale + r)
     }
+
+    fn separation(&self, x: &f64, y: &f64) -> f64 {
+        let denominator = |x: f64| self.scale + (x - self.start);
+        // two quotients: the product of far denominators could overflow
+        self.scale / denominator(*x) * ((y - x) / denominator(*y))
+    }
 }

@@ -105,4 +105,8 @@ impl Domain for Interval {
     fn coordinate(&self, x: &f64, _: usize) -> f64 {
         (x - self.lower) / self.length()
     }
+
+    fn separation(&self, x: &f64, y: &f64) -> f64 {
+        (y - x) / self.length()
+    }
 }

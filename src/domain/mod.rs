@@ -70,6 +70,11 @@ pub trait Domain: Clone + Debug + Send + Sync + 'static {
     /// The inverse of the map: coordinate `axis` of x, in [0, 1].
     fn coordinate(&self, x: &Self::Point, axis: usize) -> f64;
 
+    /// Coordinate 0 of y minus that of x, without the cancellation of the difference where x and y are close.
+    fn separation(&self, x: &Self::Point, y: &Self::Point) -> f64 {
+        self.coordinate(y, 0) - self.coordinate(x, 0)
+    }
+
     /// The coordinate of the real number x on a one-dimensional domain; `None` if x is outside, or the domain is not a part of the real line.
     fn locate(&self, x: f64) -> Option<f64> {
         let _ = x;
