@@ -19,6 +19,7 @@ pub mod quadrature;
 mod solution;
 mod spectrum;
 mod variance;
+mod verify;
 
 pub use galerkin::{Galerkin, GalerkinSolution};
 pub use nystrom::{Factorised, Nystrom};

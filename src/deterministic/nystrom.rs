@@ -87,7 +87,7 @@ impl Nystrom {
     /// Refines until two successive solves and the residual by an independent rule agree within `tolerance` · max(1, max |f|); else
     /// [`Error::NotConverged`] with the numbers. The solution carries the estimate.
     pub fn adaptive(tolerance: f64) -> Self {
-        Nystrom::new(Rule::Adaptive { tolerance, most: 2000 })
+        Nystrom::new(Rule::Adaptive { tolerance, most: 6000 })
     }
 
     /// How often the end panels of a graded rule are halved (default 16); no effect on other rules. f ~ d^{1−α} at the ends needs more for larger α.
@@ -98,7 +98,7 @@ impl Nystrom {
         }
     }
 
-    /// Largest number of unknowns that an adaptive solve tries (default 2000); no effect on other rules.
+    /// Largest number of unknowns that an adaptive solve tries (default 6000); no effect on other rules.
     pub fn max_unknowns(self, most: usize) -> Self {
         match self.rule {
             Rule::Adaptive { tolerance, .. } => Nystrom { rule: Rule::Adaptive { tolerance, most }, ..self },

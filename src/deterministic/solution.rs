@@ -155,6 +155,13 @@ where
         Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - self.integral_term(x)?)
     }
 
+    /// The residual at node `j`, where f − g is T f of the solve up to the rounding of the linear system.
+    pub(super) fn residual_at_node(&self, j: usize) -> Result<G::Value, Error> {
+        let check = self.check.get_or_init(|| self.independent()).as_ref().map_err(Clone::clone)?;
+        let x = self.system.grid.nodes[j].point;
+        Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - (self.values[j] - self.source.eval(&x)))
+    }
+
     fn independent(&self) -> Result<Check<K::Point, G::Value>, Error> {
         let domain = self.system.kernel.domain();
         let grid = match self.system.grid.panels() {
