@@ -54,9 +54,8 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         let t = domain.coordinate(x, 0);
         let state = domain.state(x);
         let kept = |d: f64| {
-            let u = t + d;
             let apart = |y: &K::Point| domain.separation(x, y);
-            !(0.0..=1.0).contains(&u) || (apart(&domain.place(state, || u).point) - d).abs() <= DISTANCE_BITS * d.abs()
+            !(0.0..=1.0).contains(&(t + d)) || (apart(&domain.displaced(x, state, d).point) - d).abs() <= DISTANCE_BITS * d.abs()
         };
         let mut resolved = 0.125;
         // factors without a short binary expansion: an accidentally exact sum must not pass
@@ -72,14 +71,7 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
     }
 
     /// Adds ∫ K(x, y) ℓ_k(y) dμ(y) over the panel to `out[(k c + row) c + column]`; `rule` integrates a piece. Returns kernel evaluations.
-    pub(crate) fn moments(
-        &self,
-        state: usize,
-        panel: (f64, f64),
-        basis: &Basis,
-        rule: &Basis,
-        out: &mut [f64],
-    ) -> Result<u64, Error> {
+    pub(crate) fn moments(&self, state: usize, panel: (f64, f64), basis: &Basis, rule: &Basis, out: &mut [f64]) -> Result<u64, Error> {
         let (a, b) = panel;
         let mut pieces = Pieces {
             target: self,
@@ -109,11 +101,11 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         Ok(pieces.evaluations)
     }
 
-    /// K(x, y) dμ/dt at the point y nearest to coordinate u, entry by entry, and the distance of y on the side `sign`; zero where y cannot be told
+    /// K(x, y) dμ/dt at the point y nearest to distance r on the side `sign`, entry by entry, and the distance that y has; zero where y cannot be told
     /// from x.
-    fn density(&self, state: usize, u: f64, sign: f64, out: &mut [f64]) -> Result<Option<f64>, Error> {
+    fn density(&self, state: usize, sign: f64, r: f64, out: &mut [f64]) -> Result<Option<f64>, Error> {
         let domain = self.kernel.domain();
-        let y = domain.place(state, || u);
+        let y = domain.displaced(self.x, state, sign * r);
         let distance = sign * domain.separation(self.x, &y.point);
         if !(distance > 0.0) {
             out.fill(0.0);
@@ -173,7 +165,7 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         for (k, n) in self.rule.rule().iter().enumerate() {
             let r = inner + h * n.point;
             let density = &mut self.densities[k * c2..(k + 1) * c2];
-            let at = self.target.density(self.state, self.target.t + sign * r, sign, density)?.unwrap_or(r);
+            let at = self.target.density(self.state, sign, r, density)?.unwrap_or(r);
             self.distances[k] = at;
             self.shifts[k] = (at - r) / h;
         }

@@ -18,7 +18,23 @@ pub fn unit_rule(order: usize) -> Vec<Node<f64>> {
     let Some(order) = NonZeroUsize::new(order) else { return Vec::new() };
     let mut nodes: Vec<_> = GaussLegendre::new(order).iter().map(|&(x, w)| Node { point: 0.5 * (1.0 + x), weight: 0.5 * w }).collect();
     nodes.sort_by(|a, b| a.point.total_cmp(&b.point));
+    // the last bits of the weights must not add up to a bias, which an ill-conditioned system would amplify: the middle weights make up for it
+    let (half, n) = (nodes.len() / 2, nodes.len());
+    let defect = 1.0 - compensated_sum(nodes.iter().map(|n| n.weight));
+    nodes[half].weight += 0.5 * defect;
+    nodes[n - 1 - half].weight += 0.5 * defect;
     nodes
+}
+
+/// A sum without the rounding of its partial sums (Neumaier 1974).
+pub(crate) fn compensated_sum(terms: impl IntoIterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0f64, 0.0);
+    for term in terms {
+        let next = sum + term;
+        lost += if sum.abs() >= term.abs() { (sum - next) + term } else { (term - next) + sum };
+        sum = next;
+    }
+    sum + lost
 }
 
 /// `panels` equal panels of [0, 1], each with the `order`-point Gauss–Legendre rule.

@@ -2,6 +2,7 @@
 
 use super::grid::Grid;
 use super::nystrom::System;
+use super::quadrature::compensated_sum;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
@@ -203,7 +204,8 @@ where
     let (c, n) = (V::COMPONENTS, values.len());
     let mut row = vec![0.0; c * c * n];
     grid.row(kernel, x, &mut row)?;
-    let component = |a: usize| (0..n).map(|j| (0..c).map(|b| row[(a * n + j) * c + b] * values[j].component(b)).sum::<f64>()).sum();
+    let term = |a: usize, i: usize| row[a * n * c + i] * values[i / c].component(i % c);
+    let component = |a: usize| compensated_sum((0..n * c).map(|i| term(a, i)));
     Ok(V::from_components(component))
 }
 

@@ -83,6 +83,11 @@ impl<D: Domain> Domain for Grouped<D> {
         self.domain.coordinate(&x.0, axis)
     }
 
+    fn displaced(&self, x: &Self::Point, state: usize, d: f64) -> Node<Self::Point> {
+        let n = self.domain.displaced(&x.0, 0, d);
+        Node { point: (n.point, state), weight: n.weight }
+    }
+
     fn separation(&self, x: &Self::Point, y: &Self::Point) -> f64 {
         self.domain.separation(&x.0, &y.0)
     }

@@ -90,6 +90,14 @@ impl Domain for HalfLine {
         r / (self.scale + r)
     }
 
+    fn displaced(&self, x: &f64, _: usize, d: f64) -> Node<f64> {
+        // 1 − t = s/(s + r): far out t rounds to 1, where x still has all its digits
+        let far = self.scale + (x - self.start);
+        let rest = self.scale / far - d;
+        let y = (x + far * (d / rest)).max(self.start);
+        Node { point: y, weight: self.scale / (rest * rest) }
+    }
+
     fn separation(&self, x: &f64, y: &f64) -> f64 {
         let denominator = |x: f64| self.scale + (x - self.start);
         // two quotients: the product of far denominators could overflow

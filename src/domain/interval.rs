@@ -106,6 +106,10 @@ impl Domain for Interval {
         (x - self.lower) / self.length()
     }
 
+    fn displaced(&self, x: &f64, _: usize, d: f64) -> Node<f64> {
+        Node { point: (x + d * self.length).clamp(self.lower, self.upper), weight: self.length }
+    }
+
     fn separation(&self, x: &f64, y: &f64) -> f64 {
         (y - x) / self.length()
     }

@@ -70,6 +70,11 @@ pub trait Domain: Clone + Debug + Send + Sync + 'static {
     /// The inverse of the map: coordinate `axis` of x, in [0, 1].
     fn coordinate(&self, x: &Self::Point, axis: usize) -> f64;
 
+    /// The point of a state at coordinate `t + d`, t that of x on a one-dimensional domain; found from x where adding d to t would cost digits.
+    fn displaced(&self, x: &Self::Point, state: usize, d: f64) -> Node<Self::Point> {
+        self.place(state, || self.coordinate(x, 0) + d)
+    }
+
     /// Coordinate 0 of y minus that of x, without the cancellation of the difference where x and y are close.
     fn separation(&self, x: &Self::Point, y: &Self::Point) -> f64 {
         self.coordinate(y, 0) - self.coordinate(x, 0)
