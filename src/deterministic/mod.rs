@@ -13,6 +13,7 @@ mod basis;
 mod galerkin;
 mod grid;
 mod linear;
+mod lu;
 mod near;
 mod nystrom;
 pub mod quadrature;
