@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn, MatrixView, M
 /// Up to this many columns are eliminated one by one.
 const LEAF: usize = 8;
 /// Columns that are updated together.
-const STRIP: usize = 128;
+const STRIP: usize = 256;
 
 type Block<'a> = MatrixView<'a, f64, Dyn, Dyn, U1, Dyn>;
 type BlockMut<'a> = MatrixViewMut<'a, f64, Dyn, Dyn, U1, Dyn>;
@@ -46,14 +46,16 @@ impl Lu {
     /// x ← A⁻¹ x.
     pub(crate) fn solve(&self, x: &mut DVector<f64>) {
         self.pivots.iter().enumerate().for_each(|(i, p)| x.swap_rows(i, *p));
-        for j in 0..self.unknowns() {
+        let n = self.unknowns();
+        let (x, column) = (x.as_mut_slice(), |j: usize| &self.factors.as_slice()[j * n..(j + 1) * n]);
+        for j in 0..n {
             let xj = x[j];
-            x.rows_range_mut(j + 1..).axpy(-xj, &self.factors.column(j).rows_range(j + 1..), 1.0);
+            x[j + 1..].iter_mut().zip(&column(j)[j + 1..]).for_each(|(x, l)| *x -= l * xj);
         }
-        for j in (0..self.unknowns()).rev() {
-            let xj = x[j] / self.factors[(j, j)];
-            x[j] = xj;
-            x.rows_range_mut(..j).axpy(-xj, &self.factors.column(j).rows_range(..j), 1.0);
+        for j in (0..n).rev() {
+            x[j] /= column(j)[j];
+            let xj = x[j];
+            x[..j].iter_mut().zip(column(j)).for_each(|(x, u)| *x -= u * xj);
         }
     }
 
