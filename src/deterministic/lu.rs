@@ -4,9 +4,9 @@
 //! P₁ [A₁₁; A₂₁] = [L₁₁; L₂₁] U₁₁,  U₁₂ = L₁₁⁻¹ (P₁A)₁₂,  A₂₂ ← (P₁A)₂₂ − L₂₁ U₁₂          Toledo, SIAM J. Matrix Anal. Appl. 18 (1997) 1065
 //! ```
 //!
-//! Nearly all of the work is then products of large blocks, which nalgebra hands to matrixmultiply: level with LAPACK and with the crate faer, where
-//! nalgebra's own column-by-column LU is ten times slower at 2000 unknowns. Preferred to faer because that would add some thirty crates and 100 s to
-//! every clean build. Right halves are updated in strips of fixed width on all cores, so that no bit depends on the number of threads.
+//! Nearly all of the work is then products of large blocks, which nalgebra hands to matrixmultiply: level with LAPACK, where nalgebra's own LU, column
+//! by column, is about ten times slower at 2000 unknowns. Preferred to the crate faer, no faster, which would add thirty crates and 100 s to every
+//! clean build. Right halves are updated in strips of fixed width on all cores: no bit depends on the number of threads.
 
 use crate::parallel;
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn, MatrixView, MatrixViewMut, U1};
