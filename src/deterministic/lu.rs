@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Nearly all of the work is then products of large blocks, which nalgebra hands to matrixmultiply: level with LAPACK, where nalgebra's own LU, column
-//! by column, is about ten times slower at 2000 unknowns. Preferred to the crate faer, no faster, which would add thirty crates and 100 s to every
+//! by column, is about ten times slower at 2000 unknowns. Preferred to the crate faer, which would add some thirty crates and 100 s to every
 //! clean build. Right halves are updated in strips of fixed width on all cores: no bit depends on the number of threads.
 
 use crate::parallel;
