@@ -47,6 +47,30 @@ fn threads_do_not_change_a_bit() {
     assert_eq!(everything(), one, "the global pool");
 }
 
+/// Sizes that are no multiples of anything, past those at which the work is divided.
+#[cfg(feature = "parallel")]
+#[test]
+fn threads_do_not_change_a_bit_of_a_deterministic_solve() {
+    use fredholm::deterministic::Nystrom;
+    let eq = equation!();
+    let solve = |method: &Nystrom| {
+        let f = eq.solve(method).unwrap();
+        let mut bits: Vec<u64> = f.values().iter().map(|v| v.to_bits()).collect();
+        bits.extend([f.rcond(), f.inverse_norm(), f.eval(0.3)].map(f64::to_bits));
+        bits
+    };
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            [Nystrom::gauss_legendre(17), Nystrom::composite(611, 1), Nystrom::graded(9, 10), Nystrom::adaptive(1e-10)].map(|m| solve(&m))
+        })
+    };
+    let one = run(1);
+    for threads in [2, 3, 8] {
+        assert_eq!(run(threads), one, "{threads} threads");
+    }
+}
+
 #[test]
 fn a_run_is_a_function_of_its_seed() {
     assert_eq!(everything(), everything());

@@ -133,17 +133,9 @@ impl<X: Point> Grid<X> {
     {
         let c = components::<K>();
         let width = self.nodes.len() * c;
-        let rows = parallel::map(self.nodes.len(), |i| {
-            let mut row = vec![0.0; c * width];
-            self.row(kernel, &self.nodes[i].point, &mut row).map(|evaluations| (row, evaluations))
-        });
-        let mut matrix = Vec::with_capacity(width * width);
-        let mut evaluations = 0;
-        for row in rows {
-            let (row, count) = row?;
-            matrix.extend(row);
-            evaluations += count;
-        }
+        let mut matrix = vec![0.0; width * width];
+        let counts = parallel::chunks(&mut matrix, c * width, |i, row| self.row(kernel, &self.nodes[i].point, row));
+        let evaluations = counts.into_iter().sum::<Result<_, _>>()?;
         Ok((matrix, evaluations))
     }
 }

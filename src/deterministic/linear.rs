@@ -1,39 +1,46 @@
-//! Dense linear systems: the one file that knows how they are factorised.
+//! Dense linear systems and what is known about them: the one file that decides how they are solved.
 //!
 //! Condition numbers are estimates from the factors, Hager, *SIAM J. Sci. Stat. Comput.* 5 (1984) 311, in the form of Higham, *ACM TOMS* 14 (1988)
 //! 381, algorithm 2.4: a lower bound of ‖A⁻¹‖₁, in practice within a factor of 3.
 
+use super::lu::Lu;
 use crate::error::Error;
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::{DMatrix, DVector};
+use std::sync::OnceLock;
 
 /// Reciprocal condition number below which a system counts as singular: of the 16 digits fewer than two are left.
 const SINGULAR: f64 = 1e-14;
 
-/// P A = L U with norms.
+/// A factorised, with norms.
 #[derive(Clone, Debug)]
 pub(crate) struct Factor {
-    lu: LU<f64, Dyn, Dyn>,
+    /// of Aᵀ: rows of A are then columns in memory, and nothing is copied
+    transpose: Lu,
     rcond: f64,
-    inverse_norm: f64,
+    inverse_norm: OnceLock<f64>,
 }
 
 impl Factor {
-    /// Factorises I − T, with T given row by row. n³/3 multiplications.
-    pub(crate) fn identity_minus(rows: &[f64], n: usize) -> Result<Self, Error> {
-        let mut a = DMatrix::from_row_slice(n, n, rows);
-        a.neg_mut();
-        (0..n).for_each(|i| a[(i, i)] += 1.0);
-        Factor::new(a)
+    /// Factorises I − T in the memory of T, given row by row. n³/3 multiplications.
+    pub(crate) fn identity_minus(mut rows: Vec<f64>, n: usize) -> Result<Self, Error> {
+        rows.iter_mut().for_each(|t| *t = -*t);
+        (0..n).for_each(|i| rows[i * (n + 1)] += 1.0);
+        Factor::of_transpose(DMatrix::from_vec(n, n, rows))
     }
 
-    pub(crate) fn new(a: DMatrix<f64>) -> Result<Self, Error> {
+    pub(crate) fn new(mut a: DMatrix<f64>) -> Result<Self, Error> {
+        a.transpose_mut();
+        Factor::of_transpose(a)
+    }
+
+    fn of_transpose(a: DMatrix<f64>) -> Result<Self, Error> {
         let n = a.nrows();
-        let norm = a.column_iter().map(|c| c.iter().map(|v| v.abs()).sum()).fold(0.0, f64::max);
-        let mut factor = Factor { lu: a.lu(), rcond: 0.0, inverse_norm: f64::INFINITY };
-        if factor.lu.is_invertible() {
+        let mut sums = DVector::zeros(n);
+        a.column_iter().for_each(|row| sums.zip_apply(&row, |sum: &mut f64, v| *sum += v.abs()));
+        let mut factor = Factor { transpose: Lu::new(a), rcond: 0.0, inverse_norm: OnceLock::new() };
+        if factor.transpose.is_invertible() {
             let inverse_one = norm_estimate(n, |v| factor.solve(v), |v| factor.solve_transposed(v));
-            factor.rcond = 1.0 / (norm * inverse_one);
-            factor.inverse_norm = norm_estimate(n, |v| factor.solve_transposed(v), |v| factor.solve(v));
+            factor.rcond = 1.0 / (sums.max() * inverse_one);
         }
         if factor.rcond.is_nan() || factor.rcond <= SINGULAR {
             return Err(Error::Singular { rcond: factor.rcond, unknowns: n });
@@ -46,36 +53,26 @@ impl Factor {
         self.rcond
     }
 
-    /// Estimated ‖A⁻¹‖∞: what a residual may be amplified by.
+    /// Estimated ‖A⁻¹‖∞: what a residual may be amplified by. Costs a few solves, the first time.
     pub(crate) fn inverse_norm(&self) -> f64 {
-        self.inverse_norm
+        *self.inverse_norm.get_or_init(|| norm_estimate(self.unknowns(), |v| self.solve_transposed(v), |v| self.solve(v)))
     }
 
     pub(crate) fn unknowns(&self) -> usize {
-        self.lu.lu_internal().nrows()
+        self.transpose.unknowns()
     }
 
     /// A⁻¹ b.
     pub(crate) fn solve(&self, b: &DVector<f64>) -> DVector<f64> {
         let mut x = b.clone();
-        self.lu.solve_mut(&mut x);
+        self.transpose.solve_transposed(&mut x);
         x
     }
 
-    /// A⁻ᵀ b: Uᵀ y = b, Lᵀ z = y, x = Pᵀ z.
+    /// A⁻ᵀ b.
     fn solve_transposed(&self, b: &DVector<f64>) -> DVector<f64> {
-        let factors = self.lu.lu_internal();
-        let n = factors.nrows();
         let mut x = b.clone();
-        for j in 0..n {
-            let sum: f64 = (0..j).map(|i| factors[(i, j)] * x[i]).sum();
-            x[j] = (x[j] - sum) / factors[(j, j)];
-        }
-        for j in (0..n).rev() {
-            let sum: f64 = (j + 1..n).map(|i| factors[(i, j)] * x[i]).sum();
-            x[j] -= sum;
-        }
-        self.lu.p().inv_permute_rows(&mut x);
+        self.transpose.solve(&mut x);
         x
     }
 }

@@ -12,7 +12,11 @@ mod adaptive;
 mod basis;
 mod galerkin;
 mod grid;
+// for systems larger than elimination can afford
+#[cfg_attr(not(test), expect(dead_code))]
+mod krylov;
 mod linear;
+mod lu;
 mod near;
 mod nystrom;
 pub mod quadrature;

@@ -222,7 +222,7 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
     pub(super) fn on_grid(kernel: &K, grid: Grid<K::Point>) -> Result<Self, Error> {
         let (matrix, evaluations) = grid.matrix(kernel)?;
         let unknowns = grid.nodes.len() * super::near::components::<K>();
-        let factor = Factor::identity_minus(&matrix, unknowns)?;
+        let factor = Factor::identity_minus(matrix, unknowns)?;
         Ok(Factorised { system: Arc::new(System { kernel: kernel.clone(), grid, factor, evaluations }) })
     }
 

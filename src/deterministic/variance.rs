@@ -122,9 +122,9 @@ where
 {
     let (kernel, n) = (equation.kernel(), grid.nodes.len());
     let g = source_values(equation.source(), &grid)?;
-    let f = Factor::identity_minus(&grid.matrix(kernel)?.0, n)?.solve(&g);
+    let f = Factor::identity_minus(grid.matrix(kernel)?.0, n)?.solve(&g);
     let density = Paired { kernel, ending, pairing: Pairing::Density };
-    let vertices = Factor::identity_minus(&grid.matrix(&density)?.0, n)?.solve(&DVector::from_element(n, 1.0));
+    let vertices = Factor::identity_minus(grid.matrix(&density)?.0, n)?.solve(&DVector::from_element(n, 1.0));
     let second = Paired { kernel, ending, pairing: Pairing::Second };
     let mut out = Prediction {
         equation,
@@ -150,7 +150,7 @@ where
     }
     let row = |i: usize| &matrix[i * n..(i + 1) * n];
     let nu = DVector::from_fn(n, |i, _| row(i).iter().zip(&f).map(|(k, f)| k * f * f).sum::<f64>() - (f[i] - g[i]).powi(2));
-    let variance = Factor::identity_minus(&matrix, n)?.solve(&nu);
+    let variance = Factor::identity_minus(matrix, n)?.solve(&nu);
     // σ² < 0 beyond rounding proves that there is no variance (trap (4.3.8))
     let scale = f.amax().powi(2) + variance.amax();
     if variance.min() >= -MARGIN * scale {
