@@ -62,7 +62,8 @@ fn threads_do_not_change_a_bit_of_a_deterministic_solve() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            [Nystrom::gauss_legendre(17), Nystrom::composite(611, 1), Nystrom::graded(9, 10), Nystrom::adaptive(1e-10)].map(|m| solve(&m))
+            [Nystrom::gauss_legendre(17), Nystrom::composite(611, 1), Nystrom::graded(9, 10), Nystrom::adaptive().tolerance(1e-10)]
+                .map(|m| solve(&m))
         })
     };
     let one = run(1);

@@ -78,7 +78,7 @@ fn graded(rules: &[(usize, usize, usize)]) -> Methods {
 }
 
 fn adaptive() -> impl Iterator<Item = (String, Nystrom)> {
-    [1e-6, 1e-9, 1e-12].into_iter().map(|tolerance| (format!("fredholm adaptive {tolerance:e}"), Nystrom::adaptive(tolerance)))
+    [1e-6, 1e-9, 1e-12].into_iter().map(|tolerance| (format!("fredholm adaptive {tolerance:e}"), Nystrom::adaptive().tolerance(tolerance)))
 }
 
 /// One line a method; what a method refuses to answer goes to standard error.

@@ -57,7 +57,7 @@ fn solve<D: Domain>(
         DeterministicMethod::Composite => Nystrom::composite([16, 4, 2][dimension - 1], [8, 6, 4][dimension - 1]),
         // a system has as many blocks as states
         DeterministicMethod::Graded => Nystrom::graded(8, if states > 2 { 8 } else { 12 }),
-        DeterministicMethod::Adaptive => Nystrom::adaptive(tolerance),
+        DeterministicMethod::Adaptive => Nystrom::adaptive().tolerance(tolerance),
         DeterministicMethod::Galerkin => {
             let elements = if states > 2 { 32 } else { 128 };
             let f = eq.solve(&Galerkin::elements(elements))?;

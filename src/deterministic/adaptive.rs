@@ -1,5 +1,6 @@
 //! A tolerance instead of a rule.
 //!
+//! 0. The kernel is [classified](super::classify), or the user's word taken: what is not smooth on the diagonal goes straight to panels.
 //! 1. Gauss–Legendre on the whole domain, doubled while it converges geometrically: smooth kernels end here.
 //! 2. In one dimension, else: panels with product integration towards the diagonal. A panel is cut where the Legendre tail of f, weighted by the mass
 //!    of K on it, or the tail of K(x, ·) for x elsewhere is above the tolerance (both: the kernel, not only f, sets the error of a rule). Towards the
@@ -9,6 +10,7 @@
 //! References: Atkinson, *The numerical solution of integral equations of the second kind* (1997), ch. 4; Kress, *Linear integral equations*, ch. 12.
 
 use super::basis::Basis;
+use super::class::{Diagonal, classify};
 use super::grid::{Grid, Panels};
 use super::near::{Target, components};
 use super::nystrom::{Factorised, Nystrom, graded_breaks};
@@ -50,17 +52,28 @@ where
     }
     let segments = settings.segments(equation.kernel().domain())?;
     let mut search = Search { equation, tolerance, most, evaluations: 0, error: f64::INFINITY, largest: 0 };
-    if segments.len() == 2
-        && let Some(found) = search.globally()?
-    {
-        return Ok(found);
+    if equation.kernel().domain().dimension() > 1 {
+        return search.globally()?.ok_or_else(|| search.failure());
     }
-    if equation.kernel().domain().dimension() == 1
-        && let Some(found) = search.by_panels(&segments)?
-    {
-        return Ok(found);
+    let class = classify(equation.kernel())?;
+    let diagonal = settings.declared.unwrap_or(class.diagonal);
+    let smooth = segments.len() == 2 && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
+    let found = match if smooth { search.globally()? } else { None } {
+        Some(found) => found,
+        None => search.by_panels(&segments)?.ok_or_else(|| search.failure())?,
+    };
+    let contradicted = std::mem::discriminant(&diagonal) != std::mem::discriminant(&class.diagonal);
+    let warning = contradicted.then(|| format!("declared: {diagonal}; values look like: {}", class.diagonal));
+    Ok(found.with_class(class, warning))
+}
+
+/// Peaks of this width or more, in units of the coordinate, are tried without panels.
+const WIDE: f64 = 0.02;
+
+impl<G, K> Search<'_, G, K> {
+    fn failure(&self) -> Error {
+        Error::NotConverged { error: self.error, tolerance: self.tolerance, unknowns: self.largest }
     }
-    Err(Error::NotConverged { error: search.error, tolerance, unknowns: search.largest })
 }
 
 struct Search<'a, G, K> {

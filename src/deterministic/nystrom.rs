@@ -10,6 +10,7 @@
 //! and keeps its order for kinks, jumps, logarithms and mild algebraic singularities.
 
 use super::adaptive;
+use super::class::Diagonal;
 use super::grid::Grid;
 use super::linear::Factor;
 use super::solution::NystromSolution;
@@ -43,6 +44,7 @@ use std::sync::Arc;
 pub struct Nystrom {
     pub(super) rule: Rule,
     pub(super) breakpoints: Breakpoints,
+    pub(super) declared: Option<Diagonal>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +67,7 @@ pub(super) struct Breakpoints {
 
 impl Nystrom {
     fn new(rule: Rule) -> Self {
-        Nystrom { rule, breakpoints: Breakpoints { at: [0.0; MOST_BREAKPOINTS], count: 0 } }
+        Nystrom { rule, breakpoints: Breakpoints { at: [0.0; MOST_BREAKPOINTS], count: 0 }, declared: None }
     }
 
     /// `n` Gauss–Legendre nodes along each coordinate.
@@ -84,10 +86,33 @@ impl Nystrom {
         Nystrom::new(Rule::Graded { panels, order, levels: LEVELS })
     }
 
-    /// Refines until two successive solves and the residual by an independent rule agree within `tolerance` · max(1, max |f|); else
-    /// [`Error::NotConverged`] with the numbers. The solution carries the estimate.
-    pub fn adaptive(tolerance: f64) -> Self {
-        Nystrom::new(Rule::Adaptive { tolerance, most: 6000 })
+    /// Refines until two solves of different order and the residual by an independent rule agree within the [tolerance](Nystrom::tolerance); else
+    /// [`Error::NotConverged`] with the numbers. The solution carries its error estimate, what the kernel looked like, and the condition number.
+    ///
+    /// ```
+    /// use fredholm::{Equation, deterministic::Nystrom};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y: f64| -0.3 * (x - y).abs().ln());
+    /// let f = eq.solve(&Nystrom::adaptive().tolerance(1e-11))?;
+    /// assert!(f.error_estimate().unwrap() <= 1e-11 * f.magnitude());
+    /// assert!(f.to_string().contains("logarithmic on the diagonal"));
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    pub fn adaptive() -> Self {
+        Nystrom::new(Rule::Adaptive { tolerance: 1e-10, most: 6000 })
+    }
+
+    /// Largest |error| that an adaptive solve may leave, in units of max(1, max |f|) (default 10⁻¹⁰); no effect on other rules.
+    pub fn tolerance(self, tolerance: f64) -> Self {
+        match self.rule {
+            Rule::Adaptive { most, .. } => Nystrom { rule: Rule::Adaptive { tolerance, most }, ..self },
+            _ => self,
+        }
+    }
+
+    /// Says how K behaves on the diagonal instead of letting an adaptive solve find out. What you say wins; if values contradict it, the solution carries
+    /// a [warning](super::NystromSolution::warning).
+    pub fn diagonal(self, diagonal: Diagonal) -> Self {
+        Nystrom { declared: Some(diagonal), ..self }
     }
 
     /// How often the end panels of a graded rule are halved (default 16); no effect on other rules. f ~ d^{1−α} at the ends needs more for larger α.

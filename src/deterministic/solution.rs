@@ -1,5 +1,6 @@
 //! f as a function, from its values at the nodes.
 
+use super::class::KernelClass;
 use super::grid::Grid;
 use super::nystrom::System;
 use super::quadrature::compensated_sum;
@@ -21,6 +22,8 @@ pub struct NystromSolution<G: Source, K: Operator> {
     system: Arc<System<K>>,
     values: Vec<G::Value>,
     error: Option<f64>,
+    class: Option<KernelClass>,
+    warning: Option<String>,
     evaluations: u64,
     check: OnceLock<Checked<K::Point, G::Value>>,
 }
@@ -42,11 +45,15 @@ where
 {
     pub(super) fn new(source: G, system: Arc<System<K>>, values: Vec<G::Value>) -> Self {
         let evaluations = system.evaluations;
-        NystromSolution { source, system, values, error: None, evaluations, check: OnceLock::new() }
+        NystromSolution { source, system, values, error: None, class: None, warning: None, evaluations, check: OnceLock::new() }
     }
 
     pub(super) fn with_error(self, error: f64, evaluations: u64) -> Self {
         NystromSolution { error: Some(error), evaluations, ..self }
+    }
+
+    pub(super) fn with_class(self, class: KernelClass, warning: Option<String>) -> Self {
+        NystromSolution { class: Some(class), warning, ..self }
     }
 
     pub(super) fn system(&self) -> &System<K> {
@@ -147,6 +154,24 @@ where
         self.error
     }
 
+    /// What the kernel looked like to an adaptive solve on a line.
+    #[must_use]
+    pub fn class(&self) -> Option<KernelClass> {
+        self.class
+    }
+
+    /// Where values of the kernel contradict what was [declared](super::Nystrom::diagonal).
+    #[must_use]
+    pub fn warning(&self) -> Option<&str> {
+        self.warning.as_deref()
+    }
+
+    /// Condition number ‖I − T_n‖₁ ‖(I − T_n)⁻¹‖₁, estimated from below, in practice within a factor of 3.
+    #[must_use]
+    pub fn condition(&self) -> f64 {
+        1.0 / self.rcond()
+    }
+
     /// g(x) + (Tf_n)(x) − f_n(x), with T by a rule that shares neither nodes nor order with the solve (made at the first call: about n more rows).
     ///
     /// # Errors
@@ -223,8 +248,15 @@ impl<G: Source, K: Operator> fmt::Display for NystromSolution<G, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Nyström, {} unknowns, rcond {:.1e}", self.system.factor.unknowns(), self.system.factor.rcond())?;
         match self.error {
-            Some(error) => write!(f, ", |error| ≲ {error:.1e}"),
-            None => write!(f, ", error not estimated"),
+            Some(error) => write!(f, ", |error| ≲ {error:.1e}")?,
+            None => write!(f, ", error not estimated")?,
+        }
+        if let Some(class) = &self.class {
+            write!(f, "; kernel {class}")?;
+        }
+        match &self.warning {
+            Some(warning) => write!(f, "; warning: {warning}"),
+            None => Ok(()),
         }
     }
 }

@@ -21,7 +21,8 @@ fn adaptive_meets_its_tolerance_or_refuses() {
     ] {
         let file = record(name);
         let (a, b) = interval(&file);
-        let f = Equation::on_interval(a..=b, one, k).solve(&Nystrom::adaptive(tolerance)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let f =
+            Equation::on_interval(a..=b, one, k).solve(&Nystrom::adaptive().tolerance(tolerance)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let estimate = f.error_estimate().unwrap();
         assert!(estimate <= tolerance * f.magnitude().max(1.0));
         let rounding = 1e-15 * f.magnitude() / f.rcond();
@@ -36,14 +37,14 @@ fn adaptive_meets_its_tolerance_or_refuses() {
 fn adaptive_is_not_silently_wrong() {
     // a jump off the diagonal, at |x − y| = 0.3: rules on panels cannot resolve it (trap 1.3)
     let step = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| if (x - y).abs() < 0.3 { 0.7 } else { 0.0 });
-    let Err(Error::NotConverged { error, tolerance, unknowns }) = step.solve(&Nystrom::adaptive(1e-8).max_unknowns(600)) else {
+    let Err(Error::NotConverged { error, tolerance, unknowns }) = step.solve(&Nystrom::adaptive().tolerance(1e-8).max_unknowns(600)) else {
         panic!("a step off the diagonal was accepted")
     };
     assert!(error > 1e-8 && tolerance == 1e-8 && unknowns > 100);
     // a narrow bump in g between all coarse nodes
     let bump = |x: f64| (-((x - 0.503) / 1e-3).powi(2)).exp();
     let eq = Equation::on_interval(0.0..=1.0, bump, |x: f64, y: f64| 0.5 * (x * y).exp());
-    match eq.solve(&Nystrom::adaptive(1e-9).max_unknowns(700)) {
+    match eq.solve(&Nystrom::adaptive().tolerance(1e-9).max_unknowns(700)) {
         Err(Error::NotConverged { .. }) => {}
         Ok(f) => {
             let exact = eq.solve(&Nystrom::composite(400, 10)).unwrap();
@@ -52,6 +53,6 @@ fn adaptive_is_not_silently_wrong() {
         Err(e) => panic!("{e}"),
     }
     for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(eq.solve(&Nystrom::adaptive(tolerance)), Err(Error::Invalid { parameter: "tolerance", .. })));
+        assert!(matches!(eq.solve(&Nystrom::adaptive().tolerance(tolerance)), Err(Error::Invalid { parameter: "tolerance", .. })));
     }
 }

@@ -59,7 +59,7 @@ fn settings_that_cannot_be_are_refused() {
     invalid(square.solve(&Nystrom::graded(2, 4)).map(|f| f.eval([0.5; 2])), "dimension");
     invalid(square.solve(&Galerkin::elements(4)).map(|f| f.eval([0.5; 2])), "dimension");
     invalid(eq.solve(&Galerkin::elements(0)).map(|f| f.eval(0.5)), "elements");
-    invalid(eq.factorise(&Nystrom::adaptive(1e-6)).map(|f| f.rcond()), "Nystrom::adaptive");
+    invalid(eq.factorise(&Nystrom::adaptive().tolerance(1e-6)).map(|f| f.rcond()), "Nystrom::adaptive");
     invalid(Equation::on_interval(1.0..=0.0, one, |_, _| 0.1).solve(&Nystrom::gauss_legendre(4)).map(|f| f.eval(0.5)), "interval end");
     invalid(
         Equation::on_domain(Cuboid::<20>::unit(), |_| 1.0, |_, _| 0.1).solve(&Nystrom::gauss_legendre(64)).map(|f| f.eval([0.5; 20])),

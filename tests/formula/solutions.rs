@@ -93,7 +93,7 @@ fn nystrom_agrees() {
         ("degenerate-rank5", Nystrom::gauss_legendre(16), 1e-13),
         ("disk-gaussian-q1", Nystrom::gauss_legendre(32), 1e-13),
         ("green-min-lam10", Nystrom::graded(8, 16), 1e-12),
-        ("slab-c0.9-a1-uniform", Nystrom::adaptive(1e-9), 1e-8),
+        ("slab-c0.9-a1-uniform", Nystrom::adaptive().tolerance(1e-9), 1e-8),
         ("lieb-liniger-gamma1", Nystrom::composite(4, 16), 1e-12),
     ] {
         let p = read(name);
