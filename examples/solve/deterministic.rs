@@ -114,16 +114,16 @@ impl<'a, X: Point> Found<'a, X> {
         })
     }
 
-    /// The error is the distance to the iterated solution, which has twice the order.
+    /// The iterated solution.
     fn elements<G, K>(f: &'a ElementSolution<G, K>) -> Result<Self, Error>
     where
         G: Source<Point = X, Value = f64>,
         K: Kernel + HasDomain + Operator<Point = X, Weight = f64>,
     {
         Ok(Found {
-            value: Box::new(|x| Ok(f.eval(*x))),
+            value: Box::new(|x| f.iterated(*x)),
             functional: Box::new(|h| f.functional(h)),
-            error: SAFETY * f.error_estimate()? + rounding(f.rcond(), f.magnitude()),
+            error: SAFETY * f.error_estimate()?.iterated + rounding(f.rcond(), f.magnitude()),
             magnitude: f.magnitude(),
             evaluations: f.evaluations(),
         })

@@ -13,6 +13,7 @@ use super::near::{Target, components};
 use crate::domain::{Domain, Node};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
+use crate::value::{Value, Weight};
 
 /// Highest degree of an element.
 pub(super) const MOST_DEGREE: usize = 16;
@@ -161,6 +162,26 @@ impl Space {
         let i = self.breaks.partition_point(|b| *b <= t).clamp(1, self.per_state()) - 1;
         let (a, b) = (self.breaks[i], self.breaks[i + 1]);
         (domain.state(x) * self.per_state() + i, (t - a) / (b - a))
+    }
+
+    /// Polynomials of two degrees more on the same elements, free to jump.
+    pub(super) fn finer(&self) -> Space {
+        let degree = self.degree + 2;
+        Space { basis: Basis::gauss(degree + 1), step: degree + 1, degree, ..self.clone() }
+    }
+
+    /// Σ_j (T φ_j)(x) f_j.
+    pub(super) fn apply<K, V>(&self, kernel: &K, x: &K::Point, values: &[V]) -> Result<V, Error>
+    where
+        K: Kernel + HasDomain,
+        K::Weight: Weight<Value = V>,
+        V: Value,
+    {
+        let (c, width) = (V::COMPONENTS, V::COMPONENTS * values.len());
+        let mut row = vec![0.0; c * width];
+        self.row(kernel, x, &mut row)?;
+        let component = |a: usize| (0..width).map(|j| row[a * width + j] * values[j / c].component(j % c)).sum::<f64>();
+        Ok(V::from_components(component))
     }
 
     /// (T φ_j)(x) for all functions: `out[(a n + j) c + b]` for components a, b and n functions. Returns kernel evaluations.

@@ -30,7 +30,7 @@ mod variance;
 mod verify;
 
 pub use collocation::Collocation;
-pub use elements::ElementSolution;
+pub use elements::{ElementErrors, ElementSolution};
 pub use galerkin::Galerkin;
 pub use nystrom::{Factorised, Nystrom};
 pub use solution::NystromSolution;
