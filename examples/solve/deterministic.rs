@@ -146,15 +146,14 @@ impl<'a, X: Point> Found<'a, X> {
         for known in &stated.points {
             found.push(comparison(format!("x = {}", known.label), (self.value)(&known.point)?, self.error, known.value));
         }
+        // another rule, and how far it is
+        let nodes = if stated.functionals.is_empty() { Vec::new() } else { rule(stated.domain()) };
+        let values = nodes.iter().map(|n| (self.value)(&n.point)).collect::<Result<Vec<_>, _>>()?;
         for f in &stated.functionals {
             let value = (self.functional)(&|x| f.weight(x));
-            // how far another rule is from it
-            let (mut other, mut size) = (0.0, 0.0);
-            for n in rule(stated.domain()) {
-                let w = n.weight * f.weight(&n.point);
-                other += w * (self.value)(&n.point)?;
-                size += w.abs();
-            }
+            let weights = || nodes.iter().map(|n| n.weight * f.weight(&n.point));
+            let other: f64 = weights().zip(&values).map(|(w, v)| w * v).sum();
+            let size: f64 = weights().map(f64::abs).sum();
             found.push(comparison(format!("∫ f·({})", f.label), value, size * self.error + SAFETY * (value - other).abs(), f.value));
         }
         if let Some(first) = found.first_mut() {

@@ -16,7 +16,7 @@ use crate::kernel::{HasDomain, Kernel};
 use crate::value::{Value, Weight};
 
 /// Highest degree of an element.
-pub(super) const MOST_DEGREE: usize = 16;
+const MOST_DEGREE: usize = 16;
 /// Shortest element, as a share of the domain.
 const SHORTEST: f64 = 1.0 / (1u64 << 40) as f64;
 
@@ -162,6 +162,16 @@ impl Space {
         let i = self.breaks.partition_point(|b| *b <= t).clamp(1, self.per_state()) - 1;
         let (a, b) = (self.breaks[i], self.breaks[i + 1]);
         (domain.state(x) * self.per_state() + i, (t - a) / (b - a))
+    }
+
+    /// Σ_j φ_j f_j at u ∈ [0, 1] of an element.
+    pub(super) fn value<V: Value>(&self, values: &[V], element: usize, u: f64) -> V {
+        let mut functions = [0.0; MOST_DEGREE + 1];
+        let functions = &mut functions[..self.basis.len()];
+        self.basis.values(u, functions);
+        let mut sum = V::ZERO;
+        values[self.first(element)..].iter().zip(functions).for_each(|(f, v)| sum += f.scale(*v));
+        sum
     }
 
     /// Polynomials of two degrees more on the same elements, free to jump.

@@ -167,6 +167,21 @@ fn graded_meshes_keep_the_order_with_singular_ends() {
     }
 }
 
+/// A logarithm on the diagonal: the iterate is worst at the ends of elements, and its estimate knows.
+#[test]
+fn estimates_hold_with_a_logarithm() {
+    let eq = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| 0.45 * e1((x - y).abs()));
+    let exact = eq.solve(&Nystrom::graded(3, 12).levels(24)).unwrap();
+    for method in both(16, 3, 4.0).into_iter().chain(both(20, 1, 2.0)).chain([Elements::Galerkin(Galerkin::elements(20).graded(2.0))]) {
+        let f = eq.solve(&method).unwrap();
+        let estimate = f.error_estimate().unwrap();
+        let all = || places().chain([0.5, 1e-4, 1e-3]);
+        let fem = estimate.solution / largest(all().map(|x| (f.eval(x) - exact.eval(x)).abs()));
+        let iterated = estimate.iterated / largest(all().map(|x| (f.iterated(x).unwrap() - exact.eval(x)).abs()));
+        assert!((0.9..2.0).contains(&fem) && (0.7..4.0).contains(&iterated), "{method:?}: {fem:.2} {iterated:.2}");
+    }
+}
+
 #[test]
 fn systems_and_slabs_agree_with_nystrom() {
     let slab = Interval::from(0.0..=1.0);
