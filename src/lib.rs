@@ -38,7 +38,7 @@
 //! | [`Walk::next_event`] | [`Kernel`](kernel::Kernel) | [`SampleSource`](source::SampleSource) | yes | and ∫K²g²/q < ∞ along the walk |
 //! | [`Walk::mis`] | `Kernel`, [`TransitionPdf`](kernel::TransitionPdf) | `SampleSource` | yes | as the better of both |
 //! | [`Walk::fixed_depth`] | `Transition` | `Source` | no: the bound is printed | always |
-//! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
+//! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
 //!
 //! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own.
 //!

@@ -4,8 +4,8 @@ use crate::options::{DeterministicMethod, Options};
 use crate::report::{Comparison, Outcome};
 use fredholm::Error;
 use fredholm::deterministic::quadrature::unit_rule;
-use fredholm::deterministic::{Galerkin, GalerkinSolution, Nystrom, NystromSolution};
-use fredholm::domain::{Domain, Node};
+use fredholm::deterministic::{Collocation, ElementSolution, Galerkin, Nystrom, NystromSolution};
+use fredholm::domain::{Domain, Node, Point};
 use fredholm::formula::{Stated, Statement, TextEquation};
 use fredholm::kernel::{HasDomain, Kernel, Operator};
 use fredholm::sampling::{Pcg, Sequence};
@@ -16,6 +16,9 @@ use std::time::Instant;
 const PROBES: u64 = 24;
 /// The error at a few places is not the largest: what is reported is that many times more.
 const SAFETY: f64 = 4.0;
+/// Degree of finite elements, and the exponent of their meshes: for d ln d at the ends.
+const DEGREE: usize = 3;
+const GRADING: f64 = 4.0;
 
 /// Every deterministic method asked for.
 pub(crate) fn all(statement: &Statement, options: &Options) -> Vec<Outcome> {
@@ -52,40 +55,83 @@ fn solve<D: Domain>(
 ) -> Result<Vec<Comparison>, Error> {
     let (dimension, states) = (stated.domain().dimension(), stated.domain().states());
     let nodes = [64, 24, 8][dimension - 1];
+    // a system has as many blocks as states
+    let elements = if states > 2 { 16 } else { 64 };
     let settings = match method {
         DeterministicMethod::Nystrom => Nystrom::gauss_legendre(nodes),
         DeterministicMethod::Composite => Nystrom::composite([16, 4, 2][dimension - 1], [8, 6, 4][dimension - 1]),
-        // a system has as many blocks as states
         DeterministicMethod::Graded => Nystrom::graded(8, if states > 2 { 8 } else { 12 }),
         DeterministicMethod::Adaptive => Nystrom::adaptive().tolerance(tolerance),
         DeterministicMethod::Galerkin => {
-            let elements = if states > 2 { 32 } else { 128 };
-            let f = eq.solve(&Galerkin::elements(elements))?;
-            return Elements { f, rule: stated.domain().rule(elements, 6) }.compare(stated);
+            let f = eq.solve(&Galerkin::elements(elements).degree(DEGREE).graded(GRADING))?;
+            return Found::elements(&f)?.compare(stated);
+        }
+        DeterministicMethod::Collocation => {
+            let f = eq.solve(&Collocation::elements(elements).degree(DEGREE).graded(GRADING))?;
+            return Found::elements(&f)?.compare(stated);
         }
     };
     let f = eq.solve(&settings)?;
     let reported = matches!(method, DeterministicMethod::Adaptive).then(|| tolerance * f.magnitude().max(1.0));
-    Nodes { f, reported }.compare(stated)
+    Found::nodes(&f, reported, &places(stated))?.compare(stated)
 }
 
-/// A solution of either kind.
-trait Found<D: Domain> {
-    fn value(&self, x: &D::Point) -> Result<f64, Error>;
-    /// Largest error at these places, as the method itself can tell.
-    fn error(&self, places: &[D::Point]) -> Result<f64, Error>;
-    /// ∫ h f, and how far another rule is from it.
-    fn integral(&self, domain: &D, h: &dyn Fn(&D::Point) -> f64) -> Result<(f64, f64), Error>;
-    fn evaluations(&self) -> u64;
-    fn magnitude(&self) -> f64;
+/// Those asked for and some more.
+fn places<D: Domain>(stated: &Stated<D>) -> Vec<D::Point> {
+    let random = (0..PROBES).map(|i| stated.domain().sample(&mut Pcg::default().point(0, 0, i)).point);
+    stated.points.iter().map(|k| k.point).chain(random).collect()
+}
 
-    fn compare(&self, stated: &Stated<D>) -> Result<Vec<Comparison>, Error> {
-        let domain = stated.domain();
-        let random = (0..PROBES).map(|i| domain.sample(&mut Pcg::default().point(0, 0, i)).point);
-        let places: Vec<_> = stated.points.iter().map(|k| k.point).chain(random).collect();
-        let error = self.error(&places)?;
-        let unresolved = !(error <= 0.1 * self.magnitude().max(1e-3));
-        let refusal = unresolved.then(|| format!("not resolved: the error may be {error:.0e}"));
+/// A solution, whoever found it.
+struct Found<'a, X> {
+    value: Box<dyn Fn(&X) -> Result<f64, Error> + 'a>,
+    /// ∫ h f by the nodes of the solve
+    functional: Box<dyn Fn(&dyn Fn(&X) -> f64) -> f64 + 'a>,
+    /// largest error, as the method itself can tell
+    error: f64,
+    magnitude: f64,
+    evaluations: u64,
+}
+
+impl<'a, X: Point> Found<'a, X> {
+    /// Unless `reported`, the error is ‖(I − T)⁻¹‖ · |residual by a rule of other nodes| and what rounding leaves.
+    fn nodes<G, K>(f: &'a NystromSolution<G, K>, reported: Option<f64>, places: &[X]) -> Result<Self, Error>
+    where
+        G: Source<Point = X, Value = f64>,
+        K: Kernel + HasDomain + Operator<Point = X, Weight = f64>,
+    {
+        let mut residual = 0.0f64;
+        for x in places.iter().filter(|_| reported.is_none()) {
+            residual = residual.max(f.residual(*x)?.abs());
+        }
+        let checked = SAFETY * f.inverse_norm() * residual + rounding(f.rcond(), f.magnitude());
+        Ok(Found {
+            value: Box::new(|x| f.try_eval(x)),
+            functional: Box::new(|h| f.functional(h)),
+            error: reported.unwrap_or(checked),
+            magnitude: f.magnitude(),
+            evaluations: f.evaluations(),
+        })
+    }
+
+    /// The iterated solution.
+    fn elements<G, K>(f: &'a ElementSolution<G, K>) -> Result<Self, Error>
+    where
+        G: Source<Point = X, Value = f64>,
+        K: Kernel + HasDomain + Operator<Point = X, Weight = f64>,
+    {
+        Ok(Found {
+            value: Box::new(|x| f.iterated(*x)),
+            functional: Box::new(|h| f.functional(h)),
+            error: SAFETY * f.error_estimate()?.iterated + rounding(f.rcond(), f.magnitude()),
+            magnitude: f.magnitude(),
+            evaluations: f.evaluations(),
+        })
+    }
+
+    fn compare<D: Domain<Point = X>>(&self, stated: &Stated<D>) -> Result<Vec<Comparison>, Error> {
+        let unresolved = !(self.error <= 0.1 * self.magnitude.max(1e-3));
+        let refusal = unresolved.then(|| format!("not resolved: the error may be {:.0e}", self.error));
         let comparison = |label: String, value: f64, error: f64, reference| Comparison {
             label,
             value,
@@ -98,19 +144,28 @@ trait Found<D: Domain> {
         };
         let mut found = Vec::new();
         for known in &stated.points {
-            found.push(comparison(format!("x = {}", known.label), self.value(&known.point)?, error, known.value));
+            found.push(comparison(format!("x = {}", known.label), (self.value)(&known.point)?, self.error, known.value));
         }
+        // another rule, and how far it is
+        let nodes = if stated.functionals.is_empty() { Vec::new() } else { rule(stated.domain()) };
+        let values = nodes.iter().map(|n| (self.value)(&n.point)).collect::<Result<Vec<_>, _>>()?;
         for f in &stated.functionals {
-            let h = |x: &D::Point| f.weight(x);
-            let (value, gap) = self.integral(domain, &h)?;
-            let size: f64 = rule(domain).iter().map(|n| n.weight * h(&n.point).abs()).sum();
-            found.push(comparison(format!("∫ f·({})", f.label), value, size * error + SAFETY * gap, f.value));
+            let value = (self.functional)(&|x| f.weight(x));
+            let weights = || nodes.iter().map(|n| n.weight * f.weight(&n.point));
+            let other: f64 = weights().zip(&values).map(|(w, v)| w * v).sum();
+            let size: f64 = weights().map(f64::abs).sum();
+            found.push(comparison(format!("∫ f·({})", f.label), value, size * self.error + SAFETY * (value - other).abs(), f.value));
         }
         if let Some(first) = found.first_mut() {
-            first.evaluations = self.evaluations();
+            first.evaluations = self.evaluations;
         }
         Ok(found)
     }
+}
+
+/// What rounding leaves of the digits.
+fn rounding(rcond: f64, magnitude: f64) -> f64 {
+    16.0 * f64::EPSILON / rcond * magnitude
 }
 
 /// Nodes of a rule for ∫ h f that knows nothing of the solve: graded to both ends in one dimension.
@@ -132,86 +187,4 @@ fn rule<D: Domain>(domain: &D) -> Vec<Node<D::Point>> {
         })
     };
     (0..domain.states()).flat_map(place).collect()
-}
-
-struct Nodes<G: Source, K: Operator> {
-    f: NystromSolution<G, K>,
-    /// of an adaptive solve
-    reported: Option<f64>,
-}
-
-impl<G, K, D> Found<D> for Nodes<G, K>
-where
-    D: Domain,
-    G: Source<Point = D::Point, Value = f64>,
-    K: Kernel + HasDomain<Domain = D> + Operator<Point = D::Point, Weight = f64>,
-{
-    fn value(&self, x: &D::Point) -> Result<f64, Error> {
-        self.f.try_eval(x)
-    }
-
-    /// ‖(I − T)⁻¹‖ · |residual by a rule of other nodes|, and what rounding leaves.
-    fn error(&self, places: &[D::Point]) -> Result<f64, Error> {
-        if let Some(reported) = self.reported {
-            return Ok(reported);
-        }
-        let residuals = places.iter().map(|x| self.f.residual(*x).map(f64::abs)).collect::<Result<Vec<_>, _>>()?;
-        let largest = residuals.into_iter().fold(0.0, f64::max);
-        Ok(SAFETY * self.f.inverse_norm() * largest + 16.0 * f64::EPSILON / self.f.rcond() * self.f.magnitude())
-    }
-
-    fn integral(&self, domain: &D, h: &dyn Fn(&D::Point) -> f64) -> Result<(f64, f64), Error> {
-        let value = self.f.functional(h);
-        let mut other = 0.0;
-        for n in rule(domain) {
-            other += n.weight * h(&n.point) * self.f.try_eval(&n.point)?;
-        }
-        Ok((value, (value - other).abs()))
-    }
-
-    fn evaluations(&self) -> u64 {
-        self.f.evaluations()
-    }
-
-    fn magnitude(&self) -> f64 {
-        self.f.magnitude()
-    }
-}
-
-struct Elements<G: Source, K: Operator> {
-    f: GalerkinSolution<G, K>,
-    /// nodes that respect the elements
-    rule: Vec<Node<K::Point>>,
-}
-
-impl<G, K, D> Found<D> for Elements<G, K>
-where
-    D: Domain,
-    G: Source<Point = D::Point, Value = f64>,
-    K: Kernel + HasDomain<Domain = D> + Operator<Point = D::Point, Weight = f64>,
-{
-    fn value(&self, x: &D::Point) -> Result<f64, Error> {
-        Ok(self.f.eval(*x))
-    }
-
-    /// The distance to the iterated solution, which has twice the order.
-    fn error(&self, places: &[D::Point]) -> Result<f64, Error> {
-        let gaps = places.iter().map(|x| self.f.iterated(*x).map(|better| (better - self.f.eval(*x)).abs()));
-        let largest = gaps.collect::<Result<Vec<_>, _>>()?.into_iter().fold(0.0, f64::max);
-        Ok(SAFETY * largest + 16.0 * f64::EPSILON / self.f.rcond() * Found::<D>::magnitude(self))
-    }
-
-    fn integral(&self, domain: &D, h: &dyn Fn(&D::Point) -> f64) -> Result<(f64, f64), Error> {
-        let by = |nodes: &[Node<D::Point>]| nodes.iter().map(|n| n.weight * h(&n.point) * self.f.eval(n.point)).sum::<f64>();
-        let value = by(&self.rule);
-        Ok((value, (value - by(&rule(domain))).abs()))
-    }
-
-    fn evaluations(&self) -> u64 {
-        self.f.evaluations()
-    }
-
-    fn magnitude(&self) -> f64 {
-        self.f.values().iter().fold(0.0, |m, v| m.max(v.abs()))
-    }
 }

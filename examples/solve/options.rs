@@ -6,7 +6,7 @@ pub(crate) const USAGE: &str =
     "usage: solve FILE|FOLDER… [--walks METHOD…] [--deterministic METHOD…] [--tolerance ε] [--samples N] [--seed S]
              [--all-points] [--csv OUT] [--plot OUT.svg]
   walks:         collision roulette fixed-depth subcritical absorption next-event mis mis-power mis-maximum mis-average all none
-  deterministic: nystrom composite graded adaptive galerkin all none";
+  deterministic: nystrom composite graded adaptive galerkin collocation all none";
 
 /// A random-walk method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,15 +45,17 @@ pub(crate) enum DeterministicMethod {
     Graded,
     Adaptive,
     Galerkin,
+    Collocation,
 }
 
 /// All of them, with their names.
-pub(crate) const DETERMINISTIC: [(&str, DeterministicMethod); 5] = [
+pub(crate) const DETERMINISTIC: [(&str, DeterministicMethod); 6] = [
     ("nystrom", DeterministicMethod::Nystrom),
     ("composite", DeterministicMethod::Composite),
     ("graded", DeterministicMethod::Graded),
     ("adaptive", DeterministicMethod::Adaptive),
     ("galerkin", DeterministicMethod::Galerkin),
+    ("collocation", DeterministicMethod::Collocation),
 ];
 
 /// What to do.

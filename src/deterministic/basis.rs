@@ -67,15 +67,16 @@ impl Basis {
     /// ℓ_k(u) for all k.
     pub(crate) fn values(&self, u: f64, out: &mut [f64]) {
         let mut sum = 0.0;
-        for ((o, n), s) in out.iter_mut().zip(&self.rule).zip(&self.scale) {
+        for (k, (n, s)) in self.rule.iter().zip(&self.scale).enumerate() {
             let d = u - n.point;
-            if d == 0.0 {
-                // at a node the basis is an indicator
-                self.rule.iter().zip(out).for_each(|(m, o)| *o = if m.point == u { 1.0 } else { 0.0 });
+            if d.abs() < f64::MIN_POSITIVE {
+                // at a node the basis is an indicator; 1/d of a subnormal number overflows
+                out.fill(0.0);
+                out[k] = 1.0;
                 return;
             }
-            *o = s / d;
-            sum += *o;
+            out[k] = s / d;
+            sum += out[k];
         }
         out.iter_mut().for_each(|o| *o /= sum);
     }
@@ -135,6 +136,8 @@ mod tests {
         assert_eq!(l, [0.75, 0.25]);
         Basis::hats().values(1.0, &mut l);
         assert_eq!(l, [0.0, 1.0]);
+        Basis::hats().values(5e-324, &mut l);
+        assert_eq!(l, [1.0, 0.0]);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::parallel;
 use crate::value::Weight;
 
 /// Largest dense system that is tried: 8 n² bytes.
-pub(crate) const MOST_UNKNOWNS: usize = 16_384;
+const MOST_UNKNOWNS: usize = 16_384;
 
 /// Nodes y_j with weights w_j, ∫ φ dμ ≈ Σ w_j φ(y_j); with panels, rows near the diagonal come from product integration.
 #[derive(Clone, Debug)]
@@ -140,7 +140,8 @@ impl<X: Point> Grid<X> {
     }
 }
 
-fn check_size(unknowns: f64) -> Result<(), Error> {
+/// Refuses systems that would not fit.
+pub(crate) fn check_size(unknowns: f64) -> Result<(), Error> {
     if unknowns > MOST_UNKNOWNS as f64 {
         return Err(Error::invalid("unknowns", unknowns, "must be at most 16384: a dense system of n unknowns takes 8 n² bytes"));
     }

@@ -1,7 +1,7 @@
 //! Singular systems, values that are not finite, settings that cannot be.
 
 use crate::one;
-use fredholm::deterministic::{Galerkin, Nystrom};
+use fredholm::deterministic::{Collocation, Galerkin, Nystrom};
 use fredholm::domain::{Cuboid, HalfLine};
 use fredholm::{Equation, Error};
 use std::f64::consts::PI;
@@ -17,6 +17,11 @@ fn singular_equations_are_refused() {
     all(Nystrom::graded(2, 14).levels(1), &|n| {
         Equation::on_interval(0.0..=1.0, one, move |x: f64, y| l * x.min(y)).solve(n).map(|f| f.eval(0.5))
     });
+    for degree in [0, 2] {
+        let constant = Equation::on_interval(0.0..=1.0, one, |_, _| 1.0);
+        assert!(matches!(constant.solve(&Galerkin::elements(3).degree(degree)), Err(Error::Singular { .. })));
+        assert!(matches!(constant.solve(&Collocation::elements(3).degree(degree)), Err(Error::Singular { .. })));
+    }
     // nearly singular but solvable: the condition is reported
     let f = Equation::on_interval(0.0..=1.0, one, |_, _| 1.0 - 1e-9).solve(&Nystrom::gauss_legendre(16)).unwrap();
     assert!(f.rcond() < 1e-8 && f.rcond() > 1e-10 && (f.eval(0.5) * 1e-9 - 1.0).abs() < 1e-6);
@@ -34,6 +39,9 @@ fn values_that_are_not_finite_are_named() {
     let e = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| 1.0 / (x - y).abs().sqrt()).solve(&g).unwrap_err();
     assert!(matches!(&e, Error::NonFiniteKernel { x, y, value } if x == y && value == "inf"), "{e}");
     let cauchy = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| 0.1 / (x - y).abs()).solve(&Nystrom::graded(2, 8));
+    let no_number = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| if x > 0.9 && y < 0.1 { f64::NAN } else { 0.1 });
+    assert!(matches!(no_number.solve(&Galerkin::elements(4).degree(2)), Err(Error::NonFiniteKernel { value, .. }) if value == "NaN"));
+    assert!(matches!(no_number.solve(&Collocation::elements(4)), Err(Error::NonFiniteKernel { .. })));
     assert!(matches!(cauchy, Err(Error::NotIntegrable { ratio, .. }) if (ratio - 1.0).abs() < 1e-2), "{cauchy:?}");
 }
 
@@ -59,6 +67,21 @@ fn settings_that_cannot_be_are_refused() {
     invalid(square.solve(&Nystrom::graded(2, 4)).map(|f| f.eval([0.5; 2])), "dimension");
     invalid(square.solve(&Galerkin::elements(4)).map(|f| f.eval([0.5; 2])), "dimension");
     invalid(eq.solve(&Galerkin::elements(0)).map(|f| f.eval(0.5)), "elements");
+    let fem = |g: Galerkin| eq.solve(&g).map(|f| f.eval(0.5));
+    let collocation = |c: Collocation| eq.solve(&c).map(|f| f.eval(0.5));
+    invalid(fem(Galerkin::elements(0).degree(3)), "elements");
+    invalid(fem(Galerkin::elements(4).degree(17)), "degree");
+    invalid(fem(Galerkin::elements(usize::MAX)), "unknowns");
+    invalid(fem(Galerkin::elements(4).breakpoints(&[0.0])), "breakpoint");
+    invalid(fem(Galerkin::elements(4).breakpoints(&[f64::NAN])), "breakpoint");
+    invalid(fem(Galerkin::elements(4).breakpoints(&[0.5, 0.5 + 1e-14])), "shortest element");
+    invalid(fem(Galerkin::elements(4).graded(0.5)), "grading");
+    invalid(fem(Galerkin::elements(4).graded(f64::INFINITY)), "grading");
+    invalid(fem(Galerkin::elements(100).graded(9.0)), "shortest element");
+    invalid(collocation(Collocation::elements(0)), "elements");
+    invalid(collocation(Collocation::elements(4).degree(usize::MAX)), "degree");
+    invalid(collocation(Collocation::elements(16_384)), "unknowns");
+    invalid(square.solve(&Collocation::elements(4)).map(|f| f.eval([0.5; 2])), "dimension");
     invalid(eq.factorise(&Nystrom::adaptive().tolerance(1e-6)).map(|f| f.rcond()), "Nystrom::adaptive");
     invalid(Equation::on_interval(1.0..=0.0, one, |_, _| 0.1).solve(&Nystrom::gauss_legendre(4)).map(|f| f.eval(0.5)), "interval end");
     invalid(
@@ -67,4 +90,5 @@ fn settings_that_cannot_be_are_refused() {
     );
     let line = Equation::on_domain(HalfLine::new(0.0), |_| 1.0, |x: &f64, y: &f64| 0.1 * (-(x - y).abs()).exp());
     assert!(matches!(line.solve(&Galerkin::elements(4)), Err(Error::InfiniteDomain { .. })));
+    assert!(matches!(line.solve(&Collocation::elements(4).degree(2)), Err(Error::InfiniteDomain { .. })));
 }
