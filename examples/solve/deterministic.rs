@@ -34,25 +34,31 @@ pub(crate) fn all(statement: &Statement, options: &Options) -> Vec<Outcome> {
 
 fn refuse_all(options: &Options) -> Vec<Outcome> {
     let why = "a product rule of n nodes a coordinate has n^d of them: use walks beyond three dimensions";
-    options.deterministic.iter().map(|(method, _)| Outcome { method, seconds: 0.0, result: Err(why.into()) }).collect()
+    let refused = |method| Outcome { method, seconds: 0.0, note: String::new(), result: Err(why.into()) };
+    options.deterministic.iter().map(|(method, _)| refused(*method)).collect()
 }
 
 fn each<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
     let eq = stated.equation();
     let one = |&(method, which): &(&'static str, DeterministicMethod)| {
         let clock = Instant::now();
-        let result = solve(&eq, stated, which, options.tolerance).map_err(|e| e.to_string());
-        Outcome { method, seconds: clock.elapsed().as_secs_f64(), result }
+        match solve(&eq, stated, which, options.tolerance) {
+            Ok(Solved { seconds, note, comparisons }) => Outcome { method, seconds, note, result: Ok(comparisons) },
+            Err(e) => Outcome { method, seconds: clock.elapsed().as_secs_f64(), note: String::new(), result: Err(e.to_string()) },
+        }
     };
     options.deterministic.iter().map(one).collect()
 }
 
-fn solve<D: Domain>(
-    eq: &TextEquation<'_, D>,
-    stated: &Stated<D>,
-    method: DeterministicMethod,
-    tolerance: f64,
-) -> Result<Vec<Comparison>, Error> {
+/// The seconds of the solve alone, what is worth a word, and the numbers.
+struct Solved {
+    seconds: f64,
+    note: String,
+    comparisons: Vec<Comparison>,
+}
+
+fn solve<D: Domain>(eq: &TextEquation<'_, D>, stated: &Stated<D>, method: DeterministicMethod, tolerance: f64) -> Result<Solved, Error> {
+    let clock = Instant::now();
     let (dimension, states) = (stated.domain().dimension(), stated.domain().states());
     let nodes = [64, 24, 8][dimension - 1];
     // a system has as many blocks as states
@@ -64,16 +70,16 @@ fn solve<D: Domain>(
         DeterministicMethod::Adaptive => Nystrom::adaptive().tolerance(tolerance),
         DeterministicMethod::Galerkin => {
             let f = eq.solve(&Galerkin::elements(elements).degree(DEGREE).graded(GRADING))?;
-            return Found::elements(&f)?.compare(stated);
+            return Found::elements(&f)?.compared(stated, clock.elapsed().as_secs_f64());
         }
         DeterministicMethod::Collocation => {
             let f = eq.solve(&Collocation::elements(elements).degree(DEGREE).graded(GRADING))?;
-            return Found::elements(&f)?.compare(stated);
+            return Found::elements(&f)?.compared(stated, clock.elapsed().as_secs_f64());
         }
     };
     let f = eq.solve(&settings)?;
-    let reported = matches!(method, DeterministicMethod::Adaptive).then(|| tolerance * f.magnitude().max(1.0));
-    Found::nodes(&f, reported, &places(stated))?.compare(stated)
+    let seconds = clock.elapsed().as_secs_f64();
+    Found::nodes(&f, &places(stated))?.compared(stated, seconds)
 }
 
 /// Those asked for and some more.
@@ -91,15 +97,17 @@ struct Found<'a, X> {
     error: f64,
     magnitude: f64,
     evaluations: u64,
+    note: String,
 }
 
 impl<'a, X: Point> Found<'a, X> {
-    /// Unless `reported`, the error is ‖(I − T)⁻¹‖ · |residual by a rule of other nodes| and what rounding leaves.
-    fn nodes<G, K>(f: &'a NystromSolution<G, K>, reported: Option<f64>, places: &[X]) -> Result<Self, Error>
+    /// Unless the solve estimates it, the error is ‖(I − T)⁻¹‖ · |residual by a rule of other nodes| and what rounding leaves.
+    fn nodes<G, K>(f: &'a NystromSolution<G, K>, places: &[X]) -> Result<Self, Error>
     where
         G: Source<Point = X, Value = f64>,
         K: Kernel + HasDomain + Operator<Point = X, Weight = f64>,
     {
+        let reported = f.error_estimate();
         let mut residual = 0.0f64;
         for x in places.iter().filter(|_| reported.is_none()) {
             residual = residual.max(f.residual(*x)?.abs());
@@ -111,6 +119,7 @@ impl<'a, X: Point> Found<'a, X> {
             error: reported.unwrap_or(checked),
             magnitude: f.magnitude(),
             evaluations: f.evaluations(),
+            note: note(f.unknowns(), f.condition(), f.class().map(|c| c.to_string())),
         })
     }
 
@@ -126,7 +135,12 @@ impl<'a, X: Point> Found<'a, X> {
             error: SAFETY * f.error_estimate()?.iterated + rounding(f.rcond(), f.magnitude()),
             magnitude: f.magnitude(),
             evaluations: f.evaluations(),
+            note: note(f.unknowns(), 1.0 / f.rcond(), None),
         })
+    }
+
+    fn compared<D: Domain<Point = X>>(&self, stated: &Stated<D>, seconds: f64) -> Result<Solved, Error> {
+        Ok(Solved { seconds, note: self.note.clone(), comparisons: self.compare(stated)? })
     }
 
     fn compare<D: Domain<Point = X>>(&self, stated: &Stated<D>) -> Result<Vec<Comparison>, Error> {
@@ -161,6 +175,11 @@ impl<'a, X: Point> Found<'a, X> {
         }
         Ok(found)
     }
+}
+
+fn note(unknowns: usize, condition: f64, class: Option<String>) -> String {
+    let class = class.map_or_else(String::new, |c| format!("; {c}"));
+    format!("{unknowns} unknowns, condition {condition:.0e}{class}")
 }
 
 /// What rounding leaves of the digits.

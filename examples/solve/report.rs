@@ -27,6 +27,8 @@ pub(crate) struct Comparison {
 pub(crate) struct Outcome {
     pub method: &'static str,
     pub seconds: f64,
+    /// Unknowns, condition and class of the kernel, from methods that know them.
+    pub note: String,
     pub result: Result<Vec<Comparison>, String>,
 }
 
@@ -147,8 +149,9 @@ impl Line {
                 Verdict::Refused(why) => format!("refused: {why}{}", self.refused_share(judge)),
                 Verdict::Wrong => "WRONG".into(),
             };
+            let note = if self.outcome.note.is_empty() { String::new() } else { format!(" [{}]", self.outcome.note) };
             println!(
-                "{head} {value:<27} {:<27} {known:>18} {:>14} {evaluations:>12} {:>6.2}s  {verdict}",
+                "{head} {value:<27} {:<27} {known:>18} {:>14} {evaluations:>12} {:>6.2}s  {verdict}{note}",
                 c.label,
                 deviation(c),
                 self.outcome.seconds
@@ -188,13 +191,13 @@ impl Tally {
 /// Every number of every line.
 pub(crate) fn write_csv(path: &Path, lines: &[Line], judge: &Judge) -> std::io::Result<()> {
     let mut out = std::io::BufWriter::new(std::fs::File::create(path)?);
-    writeln!(out, "file,class,method,place,value,error,bias bound,reference,difference,share of allowed,evaluations,seconds,verdict")?;
+    writeln!(out, "file,class,method,place,value,error,bias bound,reference,difference,share of allowed,evaluations,seconds,verdict,note")?;
     let quote = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     for line in lines {
         let head = format!("{},{},{}", quote(&line.file), quote(&line.class), line.outcome.method);
         let all = match &line.outcome.result {
             Err(why) => {
-                writeln!(out, "{head},,,,,,,,,{},{}", line.outcome.seconds, quote(&format!("refused: {why}")))?;
+                writeln!(out, "{head},,,,,,,,,{},{},", line.outcome.seconds, quote(&format!("refused: {why}")))?;
                 continue;
             }
             Ok(all) => all,
@@ -208,7 +211,7 @@ pub(crate) fn write_csv(path: &Path, lines: &[Line], judge: &Judge) -> std::io::
             };
             writeln!(
                 out,
-                "{head},{},{:e},{:e},{:e},{},{},{},{},{},{}",
+                "{head},{},{:e},{:e},{:e},{},{},{},{},{},{},{}",
                 quote(&c.label),
                 c.value,
                 c.error,
@@ -218,7 +221,8 @@ pub(crate) fn write_csv(path: &Path, lines: &[Line], judge: &Judge) -> std::io::
                 or_empty(judge.ratio(c, line.digits)),
                 c.evaluations,
                 line.outcome.seconds,
-                quote(&verdict)
+                quote(&verdict),
+                quote(&line.outcome.note)
             )?;
         }
     }

@@ -85,7 +85,7 @@ fn each(options: &Options, solve: impl Fn(WalkMethod) -> Found) -> Vec<Outcome> 
     let one = |&(name, method): &(&'static str, WalkMethod)| {
         let clock = Instant::now();
         let result = solve(method).map_err(|Refusal(why)| why);
-        Outcome { method: name, seconds: clock.elapsed().as_secs_f64(), result }
+        Outcome { method: name, seconds: clock.elapsed().as_secs_f64(), note: String::new(), result }
     };
     options.walks.iter().map(one).collect()
 }

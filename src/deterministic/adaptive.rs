@@ -15,7 +15,7 @@ use super::grid::{Grid, Panels};
 use super::near::{Target, components};
 use super::nystrom::{Factorised, Nystrom, graded_breaks};
 use super::solution::NystromSolution;
-use super::verify::{Verdict, verify};
+use super::verify::{Verdict, rounding, verify};
 use crate::domain::{Domain, Node};
 use crate::equation::Equation;
 use crate::error::Error;
@@ -29,6 +29,8 @@ const ORDER: usize = 16;
 const VERIFYING: usize = ORDER + 4;
 /// No panel is cut below this share of the domain.
 const SMALLEST: f64 = 1.0 / (1u64 << 42) as f64;
+/// Where rounding of K may cost this share of the tolerance, rounding of the elimination is taken out.
+const ILL_CONDITIONED: f64 = 0.02;
 /// A tail counts as resolved below this share of the tolerance: there are many panels.
 const SHARE: f64 = 0.1;
 /// Cuts towards an end in one round, each to a quarter: a singular end is planned in few rounds, and a poor interpolant is not followed for ever.
@@ -166,7 +168,10 @@ where
                 breaks = finer;
                 continue;
             }
-            let fine = self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?)?;
+            let mut fine = self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?)?;
+            if rounding(&fine) > ILL_CONDITIONED * self.allowed(&fine) {
+                fine = fine.refined()?;
+            }
             let verdict = self.verified(&coarse, &fine)?;
             if verdict.error <= self.allowed(&fine) {
                 return Ok(Some(fine.with_error(verdict.error, self.evaluations)));

@@ -21,7 +21,7 @@ use crate::value::{Value, Weight};
 use nalgebra::DVector;
 
 /// Places off the nodes.
-const PROBES: u64 = 12;
+const PROBES: u64 = 14;
 /// Panels of the scan.
 const SCANNED: f64 = 256.0;
 /// Nodes a panel of the scan where a value is cheap: a kernel singular at the distance of the panel's length is resolved to rounding. And where it is not.
@@ -57,12 +57,22 @@ where
     }
     let residual = check.residual(&probes)?;
     let unseen = if equation.kernel().domain().dimension() == 1 { fine.inverse_norm() * check.unseen(&probes, allowed)? } else { 0.0 };
-    // one rounding of K alone moves f by that much
-    let rounding = 0.5 * f64::EPSILON * fine.inverse_norm() * fine.magnitude();
-    let found = [change, residual, unseen, rounding];
+    let found = [change, residual, unseen];
     // NaN must not pass: `f64::max` would drop it
     let error = if found.iter().any(|e| e.is_nan()) { f64::INFINITY } else { found.into_iter().fold(0.0, f64::max) };
+    // one rounding of every K moves f by that much at most, and neither check can see it
+    let error = error + rounding(fine);
     Ok(Verdict { error, doubtful: Vec::new() })
+}
+
+/// What rounding of K alone may do to f, at worst.
+pub(super) fn rounding<G, K>(f: &NystromSolution<G, K>) -> f64
+where
+    G: Source,
+    K: Kernel + HasDomain + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+{
+    0.5 * f64::EPSILON * (1.0 + f.inverse_norm()) * f.magnitude()
 }
 
 struct Check<'a, G: Source, K: Operator> {
@@ -80,14 +90,14 @@ where
         &self.fine.system().grid
     }
 
-    /// A place that no rule has as a node: random, and in one dimension close to both ends as well.
+    /// A place that no rule has as a node: random, and in one dimension at both ends and close to them as well.
     fn probe(&self, i: u64) -> Option<K::Point> {
         let domain = self.equation.kernel().domain();
         let random = domain.sample(&mut Pcg::default().point(u64::MAX - 1, 0, i)).point;
-        if domain.dimension() > 1 || i >= 4 {
+        if domain.dimension() > 1 || i >= 6 {
             return Some(random);
         }
-        let t = [1.3e-7, 1.1e-3, 0.998_7, 1.0 - 1.7e-7][i as usize];
+        let t = [0.0, 1.0, 1.3e-7, 1.0 - 1.7e-7, 1.1e-3, 0.998_7][i as usize];
         let x = domain.place(domain.state(&random), || t).point;
         domain.contains(&x).then_some(x)
     }
