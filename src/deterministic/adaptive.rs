@@ -12,6 +12,7 @@
 use super::basis::Basis;
 use super::class::{Diagonal, classify};
 use super::grid::{Grid, Panels};
+use super::jumps::jumps;
 use super::near::{Target, components};
 use super::nystrom::{Factorised, Nystrom, graded_breaks};
 use super::solution::NystromSolution;
@@ -30,7 +31,11 @@ const VERIFYING: usize = ORDER + 4;
 /// No panel is cut below this share of the domain.
 const SMALLEST: f64 = 1.0 / (1u64 << 42) as f64;
 /// Where rounding of K may cost this share of the tolerance, rounding of the elimination is taken out.
-const ILL_CONDITIONED: f64 = 0.02;
+const ILL_CONDITIONED: f64 = 1e-3;
+/// An error that falls by less than this when all panels are halved is one of rounding.
+const STAGNANT: f64 = 0.3;
+/// Share of a panel's mass beyond its outermost node.
+const BEYOND: f64 = 0.05;
 /// A tail counts as resolved below this share of the tolerance: there are many panels.
 const SHARE: f64 = 0.1;
 /// Cuts towards an end in one round, each to a quarter: a singular end is planned in few rounds, and a poor interpolant is not followed for ever.
@@ -58,6 +63,7 @@ where
         return search.globally()?.ok_or_else(|| search.failure());
     }
     let class = classify(equation.kernel())?;
+    let segments = joined(segments, jumps(equation));
     let diagonal = settings.declared.unwrap_or(class.diagonal);
     let smooth = segments.len() == 2 && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
     let found = match if smooth { search.globally()? } else { None } {
@@ -158,6 +164,7 @@ where
 
     fn by_panels(&mut self, segments: &[f64]) -> Result<Option<NystromSolution<G, K>>, Error> {
         let mut breaks = graded_breaks(segments, 4, 0);
+        let mut last = f64::INFINITY;
         for _ in 0..ROUNDS {
             if !self.affordable((breaks.len() - 1) as f64 * VERIFYING as f64) {
                 return Ok(None);
@@ -176,6 +183,11 @@ where
             if verdict.error <= self.allowed(&fine) {
                 return Ok(Some(fine.with_error(verdict.error, self.evaluations)));
             }
+            // resolved, and no better than before: rounding
+            if verdict.doubtful.is_empty() && verdict.error > STAGNANT * last {
+                return Ok(None);
+            }
+            last = verdict.error;
             breaks = halved(&breaks, &verdict.doubtful);
         }
         Ok(None)
@@ -184,7 +196,8 @@ where
     /// The panels that f and K ask for.
     fn refine(&self, f: &NystromSolution<G, K>, segments: &[f64]) -> Result<Vec<f64>, Error> {
         let panels = f.system().grid.panels().expect("solved on panels");
-        let allowed = SHARE * self.allowed(f);
+        // what rounding makes of f no panel can mend: cutting it up would only worsen the condition
+        let allowed = (SHARE * self.allowed(f)).max(4.0 * rounding(f));
         let cuts = parallel::map(panels.count(), |p| {
             let (a, b) = panels.panel(p);
             let end = End::of((a, b), segments);
@@ -194,7 +207,7 @@ where
             if self.kernel_tail(panels, p)? * f.magnitude() > allowed {
                 return Ok(vec![0.5 * (a + b), b]);
             }
-            if self.tail_at_nodes(f, panels, p)? <= allowed {
+            if self.tail_at_nodes(f, panels, p)?.max(self.layer(f, panels, p, end)?) <= allowed {
                 return Ok(vec![b]);
             }
             let mut breaks = Vec::new();
@@ -249,6 +262,30 @@ where
         self.weighted_tail(&panels.basis, panels.panel(p), |state| Ok(values(state)))
     }
 
+    /// How far f at an end of a segment is from what the panel there extrapolates, × the mass of K: boundary layers narrower than the outermost nodes, as
+    /// kernels peaked on the diagonal make them.
+    fn layer(&self, f: &NystromSolution<G, K>, panels: &Panels, p: usize, end: End) -> Result<f64, Error> {
+        let ((a, b), basis, domain) = (panels.panel(p), &panels.basis, self.domain());
+        let mut worst = 0.0f64;
+        for (inside, at_end) in [(0.0, end.left()), (1.0, end.right())] {
+            // nothing happens at infinity within a spacing of the coordinate
+            if at_end == End::None || (inside == 1.0 && !domain.volume().is_finite() && b == 1.0) {
+                continue;
+            }
+            let t = a + (b - a) * inside + (0.5 - inside) * SMALLEST;
+            let mut values = vec![0.0; basis.len()];
+            basis.values(inside, &mut values);
+            for state in 0..domain.states() {
+                let x = domain.place(state, || t).point;
+                let first = (state * panels.count() + p) * basis.len();
+                let mut gap = f.try_eval(&x)?;
+                f.values()[first..first + basis.len()].iter().zip(&values).for_each(|(f, v)| gap += f.scale(-v));
+                worst = worst.max(BEYOND * gap.magnitude() * self.mass(basis, (a, b), state)?.min(1.0));
+            }
+        }
+        Ok(worst)
+    }
+
     /// The same on a part of a panel, by the Nyström interpolant.
     fn tail_between(&self, f: &NystromSolution<G, K>, basis: &Basis, (a, b): (f64, f64)) -> Result<f64, Error> {
         let place = |state: usize, u: f64| self.domain().place(state, || a + (b - a) * u).point;
@@ -261,22 +298,27 @@ where
         (a, b): (f64, f64),
         values: impl Fn(usize) -> Result<Vec<G::Value>, Error>,
     ) -> Result<f64, Error> {
-        let (kernel, domain, c) = (self.equation.kernel(), self.domain(), components::<K>());
         let mut worst = 0.0f64;
-        for state in 0..domain.states() {
+        for state in 0..self.domain().states() {
             let values = values(state)?;
             let component = |i: usize| basis.tail(&values.iter().map(|v| v.component(i)).collect::<Vec<_>>());
-            let tail = (0..c).map(component).fold(0.0, f64::max);
-            let mut mass = 0.0f64;
-            for from in 0..domain.states() {
-                let x = domain.place(from, || 0.5 * (a + b)).point;
-                let mut moments = vec![0.0; basis.len() * c * c];
-                Target::new(kernel, &x).moments(state, (a, b), basis, basis, &mut moments)?;
-                mass = mass.max(moments.iter().map(|m| m.abs()).sum());
-            }
-            worst = worst.max(tail * mass.min(1.0));
+            let tail = (0..G::Value::COMPONENTS).map(component).fold(0.0, f64::max);
+            worst = worst.max(tail * self.mass(basis, (a, b), state)?.min(1.0));
         }
         Ok(worst)
+    }
+
+    /// ∫ |K| over [a, b] in a state, seen from its middle.
+    fn mass(&self, basis: &Basis, (a, b): (f64, f64), state: usize) -> Result<f64, Error> {
+        let (kernel, domain, c) = (self.equation.kernel(), self.domain(), components::<K>());
+        let mut mass = 0.0f64;
+        for from in 0..domain.states() {
+            let x = domain.place(from, || 0.5 * (a + b)).point;
+            let mut moments = vec![0.0; basis.len() * c * c];
+            Target::new(kernel, &x).moments(state, (a, b), basis, basis, &mut moments)?;
+            mass = mass.max(moments.iter().map(|m| m.abs()).sum());
+        }
+        Ok(mass)
     }
 
     /// What Gauss nodes on panel `p` miss of ∫ K(x, ·) for x on panels that count it as far: Gauss integrates twice the degree it interpolates,
@@ -335,6 +377,17 @@ impl End {
     fn right(self) -> Self {
         if matches!(self, End::Right | End::Both) { End::Right } else { End::None }
     }
+}
+
+/// The segments cut at further places, unless a cut is already there.
+fn joined(mut segments: Vec<f64>, more: Vec<f64>) -> Vec<f64> {
+    for t in more {
+        if segments.iter().all(|s| (s - t).abs() > 1e-9) {
+            segments.push(t);
+        }
+    }
+    segments.sort_by(f64::total_cmp);
+    segments
 }
 
 /// The doubtful panels halved, all if none is doubtful.

@@ -308,12 +308,14 @@ impl Side {
         let window = &steps[first..first + 4];
         let growth = ((window[3] / window[0]).abs().ln() / 3.0 / std::f64::consts::LN_2).exp2();
         let exponent = growth.log2();
+        // differences that fall like r² or faster: the slope is 0
+        let slope = if growth < 0.35 { 0.0 } else { window[3] / (distances[first + 4] - distances[first + 3]) };
         match growth {
             g if g >= 2f64.powf(0.985) => Side::Singular(Diagonal::NotIntegrable { exponent }),
             g if (g - 1.0).abs() < 0.02 => Side::Singular(Diagonal::Logarithmic),
             // r ln r comes close to ½ slowly
             g if g > 0.57 => Side::Singular(Diagonal::Algebraic { exponent }),
-            _ => Side::Limit { value, slope: window[3] / (distances[first + 4] - distances[first + 3]), half: half(distances, values) },
+            _ => Side::Limit { value, slope, half: half(distances, values) },
         }
     }
 }

@@ -17,6 +17,7 @@ mod collocation;
 mod elements;
 mod galerkin;
 mod grid;
+mod jumps;
 // for systems larger than elimination can afford
 #[cfg_attr(not(test), expect(dead_code))]
 mod krylov;

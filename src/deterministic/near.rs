@@ -7,7 +7,7 @@
 //! Where the rest of a side proves smooth, one piece takes it all: kinks and jumps cost hardly more than smooth kernels.
 //!
 //! A point of floating-point numbers lies up to half an ulp off the node it stands for, and a singularity feels where it is: nodes are taken at the
-//! distances they have, with weights for those (first order; [`Basis::shifted_weights`]). Below a distance s that keeps 12 bits of y − x, the integral is
+//! distances they have, with weights for those (first order; [`Basis::shifted_weights`]). Below a distance s that keeps 16 bits of y − x, the integral is
 //! extrapolated from the means m_k of K over [2ᵏs, 2ᵏ⁺¹s]. With δ = (m₂ − m₁)/(m₁ − m₀),
 //!
 //! ```text
@@ -33,18 +33,25 @@ pub(crate) struct Target<'a, K: HasDomain> {
     x: &'a K::Point,
     /// coordinate of x
     pub(crate) t: f64,
-    /// smallest distance at which y − x keeps 12 bits
+    /// smallest distance at which y − x keeps 16 bits
     resolved: f64,
 }
 
-/// Relative precision of distances: 12 bits. What the weights do not correct is its square.
-const DISTANCE_BITS: f64 = 1.0 / 4096.0;
+/// Relative precision of distances: 16 bits. What the weights do not correct is its square.
+const DISTANCE_BITS: f64 = 1.0 / 65_536.0;
 /// Pieces smaller than this share of the panel are extrapolated.
 const SMALLEST_PIECE: f64 = 1.0 / (1u64 << 44) as f64;
+/// No coordinate needs finer distances: far out on a half line, 2^{−80} is a millionth of x at x = 10⁹.
+const FINEST: f64 = 1.0 / (1u128 << 80) as f64;
 /// S₁/S₂ from which on a singularity r^{−α} counts as not integrable: α > 0.978.
 const NOT_INTEGRABLE: f64 = 0.985;
+/// Ratios this close speak of one power of r.
+const SAME_POWER: f64 = 0.02;
 /// Halvings after which the rest of a side is tested for smoothness; each test costs three pieces.
 const TESTED: [u32; 5] = [0, 2, 5, 10, 18];
+/// Shares of a side at which its interpolant is compared with K, and how closely: extrapolation to x multiplies rounding by the square of the order.
+const TOWARDS: [f64; 5] = [1.0 / 128.0, 1.0 / 4096.0, 1e-6, 1e-8, 1e-10];
+const INTERPOLATED: f64 = 1e-11;
 /// Relative difference of two rules up to which a side counts as smooth.
 const SMOOTH: f64 = 4e-15;
 
@@ -59,7 +66,7 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         };
         let mut resolved = 0.125;
         // factors without a short binary expansion: an accidentally exact sum must not pass
-        while resolved > SMALLEST_PIECE && [0.685, -0.685, 0.597, -0.597].iter().all(|f| kept(f * resolved)) {
+        while resolved > FINEST && [0.685, -0.685, 0.597, -0.597].iter().all(|f| kept(f * resolved)) {
             resolved *= 0.5;
         }
         Target { kernel, x, t, resolved: 2.0 * resolved }
@@ -206,12 +213,35 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         Ok(())
     }
 
-    /// Whether one piece integrates K over distances [0, outer] as well as two do.
+    /// Whether one piece integrates K over distances [0, outer] as well as two do, and its interpolant is K on the way to x: of a peak on the diagonal
+    /// that is narrower than the innermost nodes, no integral tells.
     fn is_smooth(&mut self, sign: f64, outer: f64) -> Result<bool, Error> {
         let whole = self.mass(sign, 0.0, outer)?;
+        if !self.is_interpolated(sign, outer)? {
+            return Ok(false);
+        }
         let (inner, rest) = (self.mass(sign, 0.0, 0.5 * outer)?, self.mass(sign, 0.5 * outer, outer)?);
         let size = whole.iter().fold(0.0f64, |m, w| m.max(w.abs()));
         Ok(whole.iter().zip(inner.iter().zip(&rest)).all(|(w, (a, b))| (w - a - b).abs() <= SMOOTH * size))
+    }
+
+    /// Whether the interpolant of the piece [0, outer] just visited is K at distances far below its nodes.
+    fn is_interpolated(&mut self, sign: f64, outer: f64) -> Result<bool, Error> {
+        let c2 = components::<K>().pow(2);
+        let size = self.densities.iter().fold(0.0f64, |m, k| m.max(k.abs()));
+        let (mut values, mut here) = (vec![0.0; self.rule.len()], vec![0.0; c2]);
+        for share in TOWARDS {
+            let Some(r) = self.target.density(self.state, sign, share * outer, &mut here)? else { break };
+            self.evaluations += 1;
+            self.rule.values(r / outer, &mut values);
+            for (e, k) in here.iter().enumerate() {
+                let interpolated: f64 = values.iter().zip(self.densities.iter().skip(e).step_by(c2)).map(|(v, d)| v * d).sum();
+                if !((k - interpolated).abs() <= INTERPOLATED * size) {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// ∫ K dμ over distances [inner, outer], entry by entry.
@@ -227,9 +257,10 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
 
 /// (1/s) ∫₀^s K and the power of r by which ∫₀^r K grows, from the means over [s, 2s], [2s, 4s], [4s, 8s]; the ratio ρ if not integrable.
 fn below(means: [f64; 3]) -> Result<(f64, f64), f64> {
-    let ratio = 0.5 * means[0] / means[1];
+    let (ratio, outer) = (0.5 * means[0] / means[1], 0.5 * means[1] / means[2]);
     if ratio >= NOT_INTEGRABLE {
-        return Err(ratio);
+        // a kernel that falls within s faster than any power is not resolved here, and no singularity
+        return if (ratio - outer).abs() < SAME_POWER { Err(ratio) } else { Ok((means[0], 1.0)) };
     }
     let steps = [means[1] - means[0], means[2] - means[1]];
     let delta = steps[1] / steps[0];
