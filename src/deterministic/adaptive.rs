@@ -34,6 +34,8 @@ const SMALLEST: f64 = 1.0 / (1u64 << 42) as f64;
 const ILL_CONDITIONED: f64 = 1e-3;
 /// An error that falls by less than this when all panels are halved is one of rounding.
 const STAGNANT: f64 = 0.3;
+/// Least error that panels report, as a share of the tolerance: three unresolved tails.
+const PROMISED: f64 = 3.0 * SHARE;
 /// Share of a panel's mass beyond its outermost node.
 const BEYOND: f64 = 0.05;
 /// A tail counts as resolved below this share of the tolerance: there are many panels.
@@ -181,7 +183,9 @@ where
             }
             let verdict = self.verified(&coarse, &fine)?;
             if verdict.error <= self.allowed(&fine) {
-                return Ok(Some(fine.with_error(verdict.error, self.evaluations)));
+                // panels resolve f to a share of the tolerance: nothing below is promised, however close two solves come
+                let promised = verdict.error.max(PROMISED * self.allowed(&fine));
+                return Ok(Some(fine.with_error(promised, self.evaluations)));
             }
             // resolved, and no better than before: rounding
             if verdict.doubtful.is_empty() && verdict.error > STAGNANT * last {

@@ -1,6 +1,7 @@
 //! Nyström, finite elements, spectra and predicted variances against stored references and closed forms.
 
 mod adaptive;
+mod classes;
 mod closed_forms;
 mod finite_elements;
 mod radius;
