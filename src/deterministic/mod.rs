@@ -27,6 +27,7 @@ mod mesh;
 mod near;
 mod nystrom;
 pub mod quadrature;
+mod refine;
 mod solution;
 mod spectrum;
 mod variance;
