@@ -11,9 +11,10 @@
 //! References: Atkinson, *The numerical solution of integral equations of the second kind* (1997), ch. 4; Kress, *Linear integral equations*, ch. 12.
 
 use super::class::{Diagonal, classify};
+use super::factorised::Factorised;
 use super::grid::Grid;
 use super::jumps::jumps;
-use super::nystrom::{Factorised, Nystrom, graded_breaks};
+use super::nystrom::{Nystrom, graded_breaks};
 use super::solution::NystromSolution;
 use super::verify::{Verdict, rounding, verify};
 use crate::domain::Domain;

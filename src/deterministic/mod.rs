@@ -15,12 +15,10 @@ mod basis;
 mod class;
 mod collocation;
 mod elements;
+mod factorised;
 mod galerkin;
 mod grid;
 mod jumps;
-// for systems larger than elimination can afford
-#[cfg_attr(not(test), expect(dead_code))]
-mod krylov;
 mod linear;
 mod lu;
 mod mesh;
@@ -36,8 +34,9 @@ mod verify;
 pub use class::{Diagonal, KernelClass, classify};
 pub use collocation::Collocation;
 pub use elements::{ElementErrors, ElementSolution};
+pub use factorised::Factorised;
 pub use galerkin::Galerkin;
-pub use nystrom::{Factorised, Nystrom};
+pub use nystrom::Nystrom;
 pub use solution::NystromSolution;
 pub use spectrum::{eigenvalues, spectral_radius};
 pub use variance::{PredictedVariance, Prediction};

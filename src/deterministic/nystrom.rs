@@ -12,16 +12,13 @@
 use super::adaptive;
 use super::class::Diagonal;
 use super::grid::Grid;
-use super::linear::Factor;
 use super::solution::NystromSolution;
 use crate::domain::Domain;
 use crate::equation::{Equation, Everywhere, Method};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::source::Source;
-use crate::value::{Value, Weight};
-use nalgebra::DVector;
-use std::sync::Arc;
+use crate::value::Weight;
 
 /// Which rule a Nyström solve uses.
 ///
@@ -211,103 +208,6 @@ pub(super) fn graded_breaks(segments: &[f64], panels: usize, levels: usize) -> V
         breaks.push(b);
     }
     breaks
-}
-
-/// A kernel on the nodes of a rule, with I − T factorised: one more source costs n² instead of n³/3 multiplications and n² kernel evaluations.
-///
-/// ```
-/// use fredholm::{Equation, deterministic::Nystrom, domain::Interval, source::source_fn};
-/// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
-/// let solver = eq.factorise(&Nystrom::gauss_legendre(8))?;
-/// let f = solver.solve(&source_fn(Interval::from(0.0..=1.0), |x: &f64| *x))?;
-/// assert!((f.eval(0.5) - 0.6).abs() < 1e-15);                    // f = x + ½x ∫ y f = 6x/5
-/// # Ok::<(), fredholm::Error>(())
-/// ```
-#[derive(Debug)]
-pub struct Factorised<K: Operator> {
-    pub(super) system: Arc<System<K>>,
-}
-
-impl<K: Operator> Clone for Factorised<K> {
-    fn clone(&self) -> Self {
-        Factorised { system: Arc::clone(&self.system) }
-    }
-}
-
-/// What solutions share.
-#[derive(Debug)]
-pub(super) struct System<K: Operator> {
-    pub(super) kernel: K,
-    pub(super) grid: Grid<K::Point>,
-    pub(super) factor: Factor,
-    pub(super) evaluations: u64,
-}
-
-impl<K: Kernel + HasDomain + Clone> Factorised<K> {
-    pub(super) fn on_grid(kernel: &K, grid: Grid<K::Point>) -> Result<Self, Error> {
-        let (matrix, evaluations) = grid.matrix(kernel)?;
-        let unknowns = grid.nodes.len() * super::near::components::<K>();
-        let factor = Factor::identity_minus(matrix, unknowns)?;
-        Ok(Factorised { system: Arc::new(System { kernel: kernel.clone(), grid, factor, evaluations }) })
-    }
-
-    /// f for one more source.
-    ///
-    /// # Errors
-    /// [`Error::NonFiniteSource`] with the place.
-    pub fn solve<G>(&self, source: &G) -> Result<NystromSolution<G, K>, Error>
-    where
-        G: Source<Point = K::Point> + Clone,
-        K::Weight: Weight<Value = G::Value>,
-    {
-        source.validate()?;
-        let c = G::Value::COMPONENTS;
-        let nodes = &self.system.grid.nodes;
-        let mut b = DVector::zeros(c * nodes.len());
-        for (i, n) in nodes.iter().enumerate() {
-            let g = source.eval(&n.point);
-            if !g.all_finite() {
-                return Err(Error::non_finite_source(&n.point, &g));
-            }
-            (0..c).for_each(|a| b[c * i + a] = g.component(a));
-        }
-        let f = self.system.factor.solve(&b);
-        let values = (0..nodes.len()).map(|i| G::Value::from_components(|a| f[c * i + a])).collect();
-        Ok(NystromSolution::new(source.clone(), Arc::clone(&self.system), values))
-    }
-}
-
-impl<K: Operator> Factorised<K> {
-    /// Size of the linear system.
-    #[must_use]
-    pub fn unknowns(&self) -> usize {
-        self.system.factor.unknowns()
-    }
-
-    /// Estimated reciprocal condition number, 1-norm.
-    #[must_use]
-    pub fn rcond(&self) -> f64 {
-        self.system.factor.rcond()
-    }
-}
-
-impl<G, K> Equation<G, K>
-where
-    G: Source,
-    K: Kernel + HasDomain + Operator<Point = G::Point> + Clone,
-    K::Weight: Weight<Value = G::Value>,
-{
-    /// Assembles and factorises I − T once, for many sources: n² kernel evaluations (a thousand times n more near the diagonal for graded rules) and
-    /// n³/3 multiplications.
-    ///
-    /// # Errors
-    /// [`Error::Singular`], [`Error::NonFiniteKernel`] with the place, [`Error::NotIntegrable`], [`Error::Invalid`] for settings that do not fit;
-    /// adaptive settings have no fixed rule and are refused.
-    pub fn factorise(&self, settings: &Nystrom) -> Result<Factorised<K>, Error> {
-        self.validate()?;
-        let grid = settings.grid(self.kernel().domain())?;
-        Factorised::on_grid(self.kernel(), grid)
-    }
 }
 
 impl<G, K> Method<G, K, Everywhere> for Nystrom

@@ -1,8 +1,8 @@
 //! f as a function, from its values at the nodes.
 
 use super::class::KernelClass;
+use super::factorised::System;
 use super::grid::Grid;
-use super::nystrom::System;
 use super::quadrature::compensated_sum;
 use crate::domain::Domain;
 use crate::error::Error;
