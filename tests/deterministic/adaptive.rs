@@ -35,13 +35,12 @@ fn adaptive_meets_its_tolerance_or_refuses() {
     }
 }
 
+/// One type for all closures: the solver is compiled once for each domain.
+type Source<'a> = &'a (dyn Fn(&f64) -> f64 + Send + Sync);
+type Kernel<'a> = &'a (dyn Fn(&f64, &f64) -> f64 + Send + Sync);
+
 /// f is within its own estimate of values known to `digits` decimals, and the estimate within the tolerance.
-fn holds<D, G, K>(name: &str, domain: D, g: G, k: K, tolerance: f64, known: &[(f64, f64)])
-where
-    D: Domain<Point = f64>,
-    G: Fn(&f64) -> f64 + Clone + Send + Sync,
-    K: Fn(&f64, &f64) -> f64 + Clone + Send + Sync,
-{
+fn holds<D: Domain<Point = f64>>(name: &str, domain: D, g: Source<'_>, k: Kernel<'_>, tolerance: f64, known: &[(f64, f64)]) {
     let eq = Equation::new(source_fn(domain.clone(), g), kernel_fn(domain, k));
     let f = eq.solve(&Nystrom::adaptive().tolerance(tolerance)).unwrap_or_else(|e| panic!("{name}: {e}"));
     let estimate = f.error_estimate().unwrap();
@@ -66,23 +65,23 @@ fn published_tables_to_their_digits() {
         (0.01, -1.0, [0.501579596430515, 0.502098287486685, 0.707664587844926]),
     ] {
         let love = move |x: &f64, y: &f64| sign * d / PI / (d * d + (x - y) * (x - y));
-        holds("Love", unit(-1.0, 1.0), |_| 1.0, love, 1e-12, &[0.0, 0.5, 1.0].map(|x| (x, values[(2.0 * x) as usize])));
+        holds("Love", unit(-1.0, 1.0), &|_| 1.0, &love, 1e-12, &[0.0, 0.5, 1.0].map(|x| (x, values[(2.0 * x) as usize])));
     }
     // Kirkwood–Riseman; §2 C1
     let kirkwood = |x: &f64, y: &f64| -(x - y).abs().powf(-0.5);
     holds(
         "Kirkwood–Riseman",
         unit(-1.0, 1.0),
-        |_| 1.0,
-        kirkwood,
+        &|_| 1.0,
+        &kirkwood,
         1e-11,
         &[(0.0, 0.190794157507565), (0.5, 0.200594600532248), (1.0, 0.357792765895745)],
     );
     // logarithms; §2 C2, the last beyond the radius of convergence
     let log = |lambda: f64| move |x: &f64, y: &f64| lambda * (x - y).abs().ln();
-    holds("log", unit(-1.0, 1.0), |_| 1.0, log(1.0), 1e-12, &[(0.0, 0.320082831282398), (1.0, 0.688794480082155)]);
-    holds("log", unit(0.0, 1.0), |_| 1.0, log(1.0), 1e-12, &[(0.5, 0.352631374211693), (1.0, 0.574076712157039)]);
-    holds("log", unit(0.0, 1.0), |_| 1.0, log(-1.0), 1e-12, &[(0.5, -2.4666774644297), (1.0, -0.576403130782207)]);
+    holds("log", unit(-1.0, 1.0), &|_| 1.0, &log(1.0), 1e-12, &[(0.0, 0.320082831282398), (1.0, 0.688794480082155)]);
+    holds("log", unit(0.0, 1.0), &|_| 1.0, &log(1.0), 1e-12, &[(0.5, 0.352631374211693), (1.0, 0.574076712157039)]);
+    holds("log", unit(0.0, 1.0), &|_| 1.0, &log(-1.0), 1e-12, &[(0.5, -2.4666774644297), (1.0, -0.576403130782207)]);
     // slabs; §2 F1
     for (t, c, values) in [
         (1.0, 0.9, [1.83088362677178, 2.28566553054175, 2.39603055840591]),
@@ -91,21 +90,21 @@ fn published_tables_to_their_digits() {
         (10.0, 1.0, [9.8907816364916, 40.414412998152, 49.811793274540]),
     ] {
         let slab = move |x: &f64, y: &f64| 0.5 * c * e1((x - y).abs());
-        holds("slab", unit(0.0, t), |_| 1.0, slab, 1e-12, &[0.0, 0.25, 0.5].map(|s| (s * t, values[(4.0 * s) as usize])));
+        holds("slab", unit(0.0, t), &|_| 1.0, &slab, 1e-12, &[0.0, 0.25, 0.5].map(|s| (s * t, values[(4.0 * s) as usize])));
     }
     // Heaslet–Warming; §2 F2
     holds(
         "Heaslet–Warming",
         unit(0.0, 2.0),
-        |x| 0.5 * e2(*x),
-        |x, y| 0.5 * e1((x - y).abs()),
+        &|x| 0.5 * e2(*x),
+        &|x, y| 0.5 * e1((x - y).abs()),
         1e-12,
         &[(0.0, 0.830790523437719), (1.0, 0.5)],
     );
     // Chandrasekhar's H at μ = 1; §2 F3
     for (c, h) in [(0.5, 1.2512595633832226), (0.9, 1.85009851676981), (0.99, 2.47279282839702)] {
         let half_space = move |x: &f64, y: &f64| 0.5 * c * e1((x - y).abs());
-        holds("H(1)", HalfLine::new(0.0), |x| (-x).exp(), half_space, 1e-11, &[(0.0, h)]);
+        holds("H(1)", HalfLine::new(0.0), &|x| (-x).exp(), &half_space, 1e-11, &[(0.0, h)]);
     }
 }
 
@@ -119,20 +118,20 @@ fn closed_forms_of_kinks_layers_and_half_lines() {
         let c = -(whole - 1.0) / (cosh(root * t / 2.0) + root * sinh(root * t / 2.0));
         let f = move |x: f64| whole + c * cosh(root * (x - t / 2.0));
         let k = move |x: &f64, y: &f64| 0.5 * beta * (-(x - y).abs()).exp();
-        holds("D-exp", Interval::from(0.0..=t), |_| 1.0, k, 1e-12, &[0.0, 0.3, 1.0, 2.0].map(|x| (x, f(x))));
+        holds("D-exp", Interval::from(0.0..=t), &|_| 1.0, &k, 1e-12, &[0.0, 0.3, 1.0, 2.0].map(|x| (x, f(x))));
     }
     // a constant far out: f = 1/κ² − (1 − κ)/κ² e^{−κx}, κ² = 1 − 2λ
     let kappa = 0.4f64.sqrt();
     let f = |x: f64| (1.0 - (1.0 - kappa) * (-kappa * x).exp()) / (kappa * kappa);
-    holds("half line", HalfLine::new(0.0), |_| 1.0, |x, y| 0.3 * (-(x - y).abs()).exp(), 1e-12, &[0.0, 1.0, 10.0].map(|x| (x, f(x))));
+    holds("half line", HalfLine::new(0.0), &|_| 1.0, &|x, y| 0.3 * (-(x - y).abs()).exp(), 1e-12, &[0.0, 1.0, 10.0].map(|x| (x, f(x))));
     // two layers: the interface is found
     let c = |x: f64| if x > 1.0 { 0.95 } else { 0.5 };
     let layers = move |x: &f64, y: &f64| 0.5 * c(*x) * e1((x - y).abs());
     holds(
         "layers",
         Interval::from(0.0..=3.0),
-        |_| 1.0,
-        layers,
+        &|_| 1.0,
+        &layers,
         1e-11,
         &[(0.0, 1.5524802256437236), (0.9, 2.4005285441727677), (2.0, 4.96455689865067)],
     );
