@@ -113,6 +113,12 @@ pub enum Error {
         /// Size of the linear system.
         unknowns: usize,
     },
+    /// Sums of finite values overflow.
+    #[error("the solution of {unknowns} unknowns is not finite: values of source or kernel are too large to be added")]
+    NonFiniteSolution {
+        /// Size of the system.
+        unknowns: usize,
+    },
     /// A deterministic solve did not reach its tolerance.
     #[error("not converged: estimated error {error:.1e} > tolerance {tolerance:.1e} with {unknowns} unknowns")]
     NotConverged {

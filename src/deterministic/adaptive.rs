@@ -64,11 +64,13 @@ where
         Some(found) => found,
         None => search.by_panels(&segments)?.ok_or_else(|| search.failure())?,
     };
-    let contradicted = std::mem::discriminant(&diagonal) != std::mem::discriminant(&class.diagonal);
+    let contradicted = !diagonal.is_like(class.diagonal);
     let warning = contradicted.then(|| format!("declared: {diagonal}; values look like: {}", class.diagonal));
     Ok(found.with_class(class, warning))
 }
 
+/// A jump this close to a declared one is that one, found more exactly.
+const SAME_JUMP: f64 = 1e-6;
 /// Peaks of this width or more, in units of the coordinate, are tried without panels.
 const WIDE: f64 = 0.02;
 
@@ -190,12 +192,11 @@ where
     }
 }
 
-/// The segments cut at further places, unless a cut is already there.
-fn joined(mut segments: Vec<f64>, more: Vec<f64>) -> Vec<f64> {
-    for t in more {
-        if segments.iter().all(|s| (s - t).abs() > 1e-9) {
-            segments.push(t);
-        }
+/// The segments cut at jumps; one found takes the place of one declared close by.
+fn joined(mut segments: Vec<f64>, found: Vec<f64>) -> Vec<f64> {
+    for t in found {
+        segments.retain(|s| (s - t).abs() > SAME_JUMP || *s == 0.0 || *s == 1.0);
+        segments.push(t);
     }
     segments.sort_by(f64::total_cmp);
     segments

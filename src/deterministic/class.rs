@@ -67,6 +67,18 @@ pub struct KernelClass {
     pub half_wave: Option<f64>,
 }
 
+impl Diagonal {
+    /// The same type, exponents within a twentieth; a peak is smooth.
+    pub(super) fn is_like(self, other: Diagonal) -> bool {
+        use Diagonal::{Algebraic, Peaked, Smooth};
+        match (self, other) {
+            (Smooth | Peaked { .. }, Smooth | Peaked { .. }) => true,
+            (Algebraic { exponent: a }, Algebraic { exponent: b }) => (a - b).abs() < 0.05,
+            (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
+        }
+    }
+}
+
 impl fmt::Display for Diagonal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -126,7 +138,7 @@ const SAMPLE: usize = 40;
 /// ```
 ///
 /// # Errors
-/// [`Error::Invalid`] for more than one dimension; [`Error::NonFiniteKernel`] with the place, off the diagonal.
+/// [`Error::Invalid`] for more than one dimension; [`Error::NonFiniteKernel`] with the place where K is not finite on the way to the diagonal.
 pub fn classify<K: Kernel + HasDomain>(kernel: &K) -> Result<KernelClass, Error> {
     let domain = kernel.domain();
     domain.validate()?;
@@ -149,11 +161,11 @@ pub fn classify<K: Kernel + HasDomain>(kernel: &K) -> Result<KernelClass, Error>
     let smooth = matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { .. });
     Ok(KernelClass {
         diagonal,
-        toeplitz: linear && values.same(|t, u, h| ((t, u), (t + h, u + h)))?,
-        symmetric: values.same(|t, u, _| ((t, u), (u, t)))?,
-        periodic: linear && smooth && values.periodic()?,
-        rank: if smooth { values.rank()? } else { None },
-        half_wave: values.half_wave()?,
+        toeplitz: linear && values.same(|t, u, h| ((t, u), (t + h, u + h))),
+        symmetric: values.same(|t, u, _| ((t, u), (u, t))),
+        periodic: linear && smooth && values.periodic(),
+        rank: if smooth { values.rank() } else { None },
+        half_wave: values.half_wave(),
     })
 }
 
@@ -162,12 +174,12 @@ struct Values<'a, K> {
 }
 
 impl<K: Kernel + HasDomain> Values<'_, K> {
-    /// K at two coordinates of states (i, j), entry `e`.
-    fn at(&self, t: f64, u: f64, (i, j): (usize, usize), e: usize) -> Result<f64, Error> {
+    /// K at two coordinates of states (i, j), entry `e`; NaN where it is not finite, which no comparison passes.
+    fn at(&self, t: f64, u: f64, (i, j): (usize, usize), e: usize) -> f64 {
         let (domain, c) = (self.kernel.domain(), components::<K>());
         let (x, y) = (domain.place(i, || t).point, domain.place(j, || u).point);
         let k = self.kernel.eval(&x, &y);
-        if k.entries_finite() { Ok(k.entry(e / c, e % c)) } else { Err(Error::non_finite_kernel(&x, &y, &k)) }
+        if k.entries_finite() { k.entry(e / c, e % c) } else { f64::NAN }
     }
 
     /// The worse of the two sides of one place, or what their limits make together.
@@ -211,7 +223,7 @@ impl<K: Kernel + HasDomain> Values<'_, K> {
     }
 
     /// Whether K agrees at pairs of places made from random (t, u, h) that stay inside.
-    fn same(&self, pairs: impl Fn(f64, f64, f64) -> ((f64, f64), (f64, f64))) -> Result<bool, Error> {
+    fn same(&self, pairs: impl Fn(f64, f64, f64) -> ((f64, f64), (f64, f64))) -> bool {
         let mut random = Pcg::default().point(u64::MAX - 2, 0, 0);
         let (states, c) = (self.kernel.domain().states(), components::<K>());
         for _ in 0..48 {
@@ -219,68 +231,71 @@ impl<K: Kernel + HasDomain> Values<'_, K> {
             let (a, b) = pairs(t, u, h);
             for s in 0..states * states * c * c {
                 let (state, e) = ((s / (c * c) / states, s / (c * c) % states), s % (c * c));
-                let (p, q) = (self.at(a.0, a.1, state, e)?, self.at(b.0, b.1, state, e)?);
+                let (p, q) = (self.at(a.0, a.1, state, e), self.at(b.0, b.1, state, e));
                 // a steep kernel feels the rounding of its places
-                if (p - q).abs() > 1e-9 * p.abs().max(q.abs()) {
-                    return Ok(false);
+                if !((p - q).abs() <= 1e-9 * p.abs().max(q.abs())) {
+                    return false;
                 }
             }
         }
-        Ok(true)
+        true
     }
 
-    fn periodic(&self) -> Result<bool, Error> {
+    fn periodic(&self) -> bool {
         const STEP: f64 = 1.0 / 4096.0;
         let (states, c) = (self.kernel.domain().states(), components::<K>());
         for u in PLACES {
             for s in 0..states * states * c * c {
                 let (state, e) = ((s / (c * c) / states, s / (c * c) % states), s % (c * c));
-                let along = |t: f64| Ok::<_, Error>([self.at(t, u, state, e)?, self.at(u, t, state, e)?]);
-                let (a, a1, b1, b) = (along(0.0)?, along(STEP)?, along(1.0 - STEP)?, along(1.0)?);
+                let along = |t: f64| [self.at(t, u, state, e), self.at(u, t, state, e)];
+                let (a, a1, b1, b) = (along(0.0), along(STEP), along(1.0 - STEP), along(1.0));
                 for k in 0..2 {
                     let size = a[k].abs().max(b[k].abs());
                     let slopes = (a1[k] - a[k], b[k] - b1[k]);
                     // second differences of a smooth periodic function are of the order of the step
-                    let bend = (slopes.0 - slopes.1).abs() > 0.1 * (slopes.0.abs() + slopes.1.abs()) + 1e-4 * size;
-                    if (a[k] - b[k]).abs() > 1e-11 * size || bend {
-                        return Ok(false);
+                    let straight = (slopes.0 - slopes.1).abs() <= 0.1 * (slopes.0.abs() + slopes.1.abs()) + 1e-4 * size;
+                    if !((a[k] - b[k]).abs() <= 1e-11 * size && straight) {
+                        return false;
                     }
                 }
             }
         }
-        Ok(true)
+        true
     }
 
-    fn rank(&self) -> Result<Option<usize>, Error> {
+    fn rank(&self) -> Option<usize> {
         let (states, c) = (self.kernel.domain().states(), components::<K>());
         if states * c > 1 {
-            return Ok(None);
+            return None;
         }
         let mut matrix = DMatrix::zeros(SAMPLE, SAMPLE);
         for (i, j) in (0..SAMPLE).flat_map(|i| (0..SAMPLE).map(move |j| (i, j))) {
             // Chebyshev places: equispaced ones would hide what happens at the ends
             let place = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * (i as f64 + 0.5) / SAMPLE as f64).cos();
-            matrix[(i, j)] = self.at(place(i), place(j), (0, 0), 0)?;
+            matrix[(i, j)] = self.at(place(i), place(j), (0, 0), 0);
+        }
+        if matrix.iter().any(|k| k.is_nan()) {
+            return None;
         }
         let values = matrix.singular_values();
         let rank = values.iter().filter(|s| **s > 1e-12 * values[0]).count();
-        Ok((rank <= MOST_RANK).then_some(rank))
+        (rank <= MOST_RANK).then_some(rank)
     }
 
-    fn half_wave(&self) -> Result<Option<f64>, Error> {
+    fn half_wave(&self) -> Option<f64> {
         const STEPS: usize = 2048;
         let mut most = 0;
         for t in [PLACES[1], PLACES[5]] {
             let (mut last, mut zeros) = (0.0f64, 0);
             for i in 0..STEPS {
                 let u = (i as f64 + 0.5) / STEPS as f64;
-                let k = self.at(t, u, (0, 0), 0)?;
+                let k = self.at(t, u, (0, 0), 0);
                 zeros += usize::from(k * last < 0.0);
                 last = k;
             }
             most = most.max(zeros);
         }
-        Ok((most > 8).then(|| 1.0 / most as f64))
+        (most > 8).then(|| 1.0 / most as f64)
     }
 }
 

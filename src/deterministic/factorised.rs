@@ -53,7 +53,7 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
     /// f for one more source.
     ///
     /// # Errors
-    /// [`Error::NonFiniteSource`] with the place.
+    /// [`Error::NonFiniteSource`] with the place; [`Error::NonFiniteSolution`].
     pub fn solve<G>(&self, source: &G) -> Result<NystromSolution<G, K>, Error>
     where
         G: Source<Point = K::Point> + Clone,
@@ -71,6 +71,9 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
             (0..c).for_each(|a| b[c * i + a] = g.component(a));
         }
         let f = self.system.factor.solve(&b);
+        if f.iter().any(|v| !v.is_finite()) {
+            return Err(Error::NonFiniteSolution { unknowns: f.len() });
+        }
         let values = (0..nodes.len()).map(|i| G::Value::from_components(|a| f[c * i + a])).collect();
         Ok(NystromSolution::new(source.clone(), Arc::clone(&self.system), values))
     }

@@ -16,6 +16,8 @@ const MOST_UNKNOWNS: usize = 16_384;
 pub(crate) struct Grid<X> {
     pub(crate) nodes: Vec<Node<X>>,
     panels: Option<Panels>,
+    /// of each coordinate, where the rule is a single tensor product
+    tensor: Option<Basis>,
 }
 
 /// Panels of the map's coordinate; nodes are ordered state by state, panel by panel.
@@ -30,6 +32,11 @@ pub(crate) struct Panels {
 impl Panels {
     pub(crate) fn count(&self) -> usize {
         self.breaks.len() - 1
+    }
+
+    /// The panel that holds coordinate t.
+    pub(crate) fn at(&self, t: f64) -> usize {
+        self.breaks.partition_point(|b| *b <= t).clamp(1, self.count()) - 1
     }
 
     pub(crate) fn panel(&self, p: usize) -> (f64, f64) {
@@ -47,7 +54,7 @@ impl<X: Point> Grid<X> {
         }
         let unknowns = ((panels as f64) * order as f64).powi(domain.dimension() as i32) * domain.states() as f64;
         check_size(unknowns)?;
-        Ok(Grid { nodes: domain.rule(panels, order), panels: None })
+        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor: (panels == 1).then(|| Basis::gauss(order)) })
     }
 
     /// Gauss–Legendre nodes of `order` on every panel of a one-dimensional domain; `breaks` ascend from 0 to 1.
@@ -75,11 +82,37 @@ impl<X: Point> Grid<X> {
             }
         }
         let pieces = Basis::gauss(order.max(12));
-        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }) })
+        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None })
     }
 
     pub(crate) fn panels(&self) -> Option<&Panels> {
         self.panels.as_ref()
+    }
+
+    /// Value at x of the polynomials through values at the nodes, panel by panel or over the whole cube; `None` for composite rules.
+    pub(crate) fn interpolate<D: Domain<Point = X>>(&self, domain: &D, x: &X, value: impl Fn(usize) -> f64) -> Option<f64> {
+        let per_state = self.nodes.len() / domain.states();
+        let first = domain.state(x) * per_state;
+        if let Some(panels) = &self.panels {
+            let t = domain.coordinate(x, 0);
+            let p = panels.at(t);
+            let (a, b) = panels.panel(p);
+            let mut basis = vec![0.0; panels.basis.len()];
+            panels.basis.values((t - a) / (b - a), &mut basis);
+            return Some(basis.iter().enumerate().map(|(k, l)| l * value(first + p * basis.len() + k)).sum());
+        }
+        let axis = self.tensor.as_ref()?;
+        let n = axis.len();
+        let factors: Vec<Vec<f64>> = (0..domain.dimension())
+            .map(|a| {
+                let mut l = vec![0.0; n];
+                axis.values(domain.coordinate(x, a), &mut l);
+                l
+            })
+            .collect();
+        // the first coordinate runs fastest, as in `Domain::rule`
+        let weight = |i: usize| factors.iter().fold((1.0, i), |(w, rest), l| (w * l[rest % n], rest / n)).0;
+        Some((0..per_state).map(|i| weight(i) * value(first + i)).sum())
     }
 
     /// The row of T at x: `out[(a n + j) c + b]` is the weight of component b of f(y_j) in component a of (Tf)(x). Returns kernel evaluations.
@@ -133,6 +166,7 @@ impl<X: Point> Grid<X> {
     {
         let c = components::<K>();
         let width = self.nodes.len() * c;
+        check_size(width as f64)?;
         let mut matrix = vec![0.0; width * width];
         let counts = parallel::chunks(&mut matrix, c * width, |i, row| self.row(kernel, &self.nodes[i].point, row));
         let evaluations = counts.into_iter().sum::<Result<_, _>>()?;

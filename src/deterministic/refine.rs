@@ -39,7 +39,7 @@ where
                 return Ok(vec![b]);
             }
             if self.kernel_tail(panels, p)? * f.magnitude() > allowed {
-                return Ok(vec![0.5 * (a + b), b]);
+                return Ok(vec![end.cut(a, b), b]);
             }
             if self.tail_at_nodes(f, panels, p)?.max(self.layer(f, panels, p, end)?) <= allowed {
                 return Ok(vec![b]);
@@ -69,11 +69,7 @@ where
         depth: usize,
         breaks: &mut Vec<f64>,
     ) -> Result<(), Error> {
-        let cut = match end {
-            End::Left => a + QUARTER * (b - a),
-            End::Right => b - QUARTER * (b - a),
-            End::Both | End::None => 0.5 * (a + b),
-        };
+        let cut = end.cut(a, b);
         let sides = [(a, cut, end.left()), (cut, b, end.right())];
         for (low, high, end) in sides {
             let go_on = depth > 1 && end != End::None && high - low > SMALLEST && self.tail_between(f, basis, (low, high))? > allowed;
@@ -200,6 +196,15 @@ impl End {
             (true, false) => End::Left,
             (false, true) => End::Right,
             (false, false) => End::None,
+        }
+    }
+
+    /// Where [a, b] is cut: nearer to the end that it lies at.
+    fn cut(self, a: f64, b: f64) -> f64 {
+        match self {
+            End::Left => a + QUARTER * (b - a),
+            End::Right => b - QUARTER * (b - a),
+            End::Both | End::None => 0.5 * (a + b),
         }
     }
 

@@ -63,67 +63,78 @@ pub(super) struct Outcome<V> {
     pub(super) walk: usize,
     pub(super) score: V,
     pub(super) end: End,
+    /// Cut while its weight was not zero.
+    pub(super) truncated: bool,
 }
 
-/// Walks all `lanes` to their ends, in no particular order; returns the steps of all together. `ranks` is scratch space.
-#[inline]
-pub(super) fn backward<G, K, C, E, S, O>(
-    equation: &Equation<G, K>,
-    scoring: &C,
-    ending: &E,
-    max_steps: u64,
-    lanes: &mut [Lane<K::Point, K::Weight, S>],
-    ranks: &mut Vec<u32>,
-    observer: &mut O,
-    mut ended: impl FnMut(Outcome<G::Value>),
-) -> u64
+/// What is walked, and how.
+pub(super) struct Driver<'a, G, K, C, E> {
+    pub(super) equation: &'a Equation<G, K>,
+    pub(super) scoring: &'a C,
+    pub(super) ending: &'a E,
+    pub(super) max_steps: u64,
+}
+
+/// Steps abreast. Few walks are that long, and one without an end must be found after `max_steps`, not after as many for every walk beside it.
+const ABREAST: u64 = 1 << 14;
+
+impl<G, K, C, E> Driver<'_, G, K, C, E>
 where
     G: Source,
     K: Transition + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
     C: Scoring<G, K>,
     E: Ending<K>,
-    S: Sampler,
-    O: Observer<K::Point, K::Weight>,
 {
-    let kernel = equation.kernel();
-    let cut = ending.cut().unwrap_or(u64::MAX);
-    ranks.clear();
-    ranks.extend(0..lanes.len() as u32);
-    let (mut depth, mut steps) = (0, 0);
-    while !ranks.is_empty() {
-        let survivors = close_ranks(lanes, ranks, |Lane { visit, reciprocal, step, score, u, .. }| {
-            let arrival = match step {
-                None => Arrival::Start,
-                Some(step) => {
-                    let arrival = Arrival::Step { from: visit.point, pdf: step.raw_pdf() * visit.survival };
-                    visit.weight = visit.weight.scaled(*reciprocal).then(step.weight());
-                    visit.point = step.point();
-                    arrival
-                }
-            };
-            observer.vertex(&visit.point, &visit.weight);
-            visit.survival = 1.0;
-            scoring.arrival(equation, visit, arrival, score, observer);
-            let survival = ending.survival(kernel, &visit.point, depth, visit.weight.norm());
-            visit.survival = survival.probability();
-            if depth < cut {
-                u.seek(depth, Purpose::Event);
-                scoring.vertex(equation, visit, u, score, observer);
+    /// Walks all `lanes` to their ends, in no particular order, or to the first that is too long; returns the steps of all together. `ranks` is scratch
+    /// space.
+    #[inline]
+    pub(super) fn backward<S: Sampler, O: Observer<K::Point, K::Weight>>(
+        &self,
+        lanes: &mut [Lane<K::Point, K::Weight, S>],
+        ranks: &mut Vec<u32>,
+        observer: &mut O,
+        mut ended: impl FnMut(Outcome<G::Value>),
+    ) -> u64 {
+        ranks.clear();
+        ranks.extend(0..lanes.len() as u32);
+        let mut steps = 0;
+        for depth in 0..ABREAST {
+            steps += self.advance(lanes, ranks, depth, observer, &mut ended);
+            if ranks.is_empty() {
+                return steps;
             }
-            match survival {
-                Survival::Certain => {
-                    *reciprocal = 1.0;
-                    true
-                }
-                Survival::Chance { probability, reciprocal: r } => {
-                    *reciprocal = r;
-                    u.seek(depth, Purpose::Survival);
-                    // a NaN probability must end the walk, not prolong it
-                    u.next_1d() < probability
-                }
+        }
+        for rank in std::mem::take(ranks) {
+            ranks.push(rank);
+            let mut depth = ABREAST;
+            while !ranks.is_empty() {
+                steps += self.advance(lanes, ranks, depth, observer, &mut ended);
+                depth += 1;
             }
+            if depth > self.max_steps {
+                break;
+            }
+        }
+        steps
+    }
+
+    /// One vertex and one step of all walks in `ranks`, which then holds those that go on; returns how many.
+    #[inline]
+    fn advance<S: Sampler, O: Observer<K::Point, K::Weight>>(
+        &self,
+        lanes: &mut [Lane<K::Point, K::Weight, S>],
+        ranks: &mut Vec<u32>,
+        depth: u64,
+        observer: &mut O,
+        ended: &mut impl FnMut(Outcome<G::Value>),
+    ) -> u64 {
+        let Driver { equation, scoring, .. } = *self;
+        let survivors = close_ranks(lanes, ranks, |lane| {
+            self.arrive(lane, observer);
+            self.survives(lane, depth, observer)
         });
+        let cut = self.ending.cut().is_some_and(|cut| depth >= cut);
         for rank in ranks.drain(survivors..) {
             let lane = &mut lanes[rank as usize];
             if !(lane.visit.survival >= 0.0) {
@@ -131,30 +142,70 @@ where
                 observer.survival(&lane.visit.point, lane.visit.survival);
                 lane.score = G::Value::from_components(|_| f64::NAN);
             }
-            // a walk of weight 0 has nothing left to lose: no bias
-            let cut = depth >= cut && lane.visit.weight.norm() != 0.0;
             ended(lane.end(equation, scoring, if cut { End::Cut } else { End::Roulette }, observer));
         }
-        let steppers = if depth == max_steps {
-            0
-        } else {
-            close_ranks(lanes, ranks, |Lane { visit, step, u, .. }| {
-                u.seek(depth, Purpose::Move);
-                *step = kernel.step(&visit.point, u);
-                if let Some(step) = step {
-                    observer.step(&visit.point, &step.point(), &step.weight(), step.raw_pdf());
-                }
-                step.is_some()
-            })
-        };
-        steps += steppers as u64;
-        for rank in ranks.drain(steppers..) {
-            let end = if depth == max_steps { End::TooLong } else { End::Absorbed };
-            ended(lanes[rank as usize].end(equation, scoring, end, observer));
+        if depth == self.max_steps {
+            ranks.drain(..).for_each(|rank| ended(lanes[rank as usize].end(equation, scoring, End::TooLong, observer)));
+            return 0;
         }
-        depth += 1;
+        let steppers = close_ranks(lanes, ranks, |Lane { visit, step, u, .. }| {
+            u.seek(depth, Purpose::Move);
+            *step = equation.kernel().step(&visit.point, u);
+            if let Some(step) = step {
+                observer.step(&visit.point, &step.point(), &step.weight(), step.raw_pdf());
+            }
+            step.is_some()
+        });
+        ranks.drain(steppers..).for_each(|rank| ended(lanes[rank as usize].end(equation, scoring, End::Absorbed, observer)));
+        steppers as u64
     }
-    steps
+
+    /// At the start, or where the last step leads.
+    #[inline]
+    fn arrive<S: Sampler, O: Observer<K::Point, K::Weight>>(&self, lane: &mut Lane<K::Point, K::Weight, S>, observer: &mut O) {
+        let Lane { visit, reciprocal, step, score, .. } = lane;
+        let arrival = match step {
+            None => Arrival::Start,
+            Some(step) => {
+                let arrival = Arrival::Step { from: visit.point, pdf: step.raw_pdf() * visit.survival };
+                visit.weight = visit.weight.scaled(*reciprocal).then(step.weight());
+                visit.point = step.point();
+                arrival
+            }
+        };
+        observer.vertex(&visit.point, &visit.weight);
+        visit.survival = 1.0;
+        self.scoring.arrival(self.equation, visit, arrival, score, observer);
+    }
+
+    /// Scores at the vertex, then whether the walk goes on.
+    #[inline]
+    fn survives<S: Sampler, O: Observer<K::Point, K::Weight>>(
+        &self,
+        lane: &mut Lane<K::Point, K::Weight, S>,
+        depth: u64,
+        observer: &mut O,
+    ) -> bool {
+        let Lane { visit, reciprocal, score, u, .. } = lane;
+        let survival = self.ending.survival(self.equation.kernel(), &visit.point, depth, visit.weight.norm());
+        visit.survival = survival.probability();
+        if self.ending.cut().is_none_or(|cut| depth < cut) {
+            u.seek(depth, Purpose::Event);
+            self.scoring.vertex(self.equation, visit, u, score, observer);
+        }
+        match survival {
+            Survival::Certain => {
+                *reciprocal = 1.0;
+                true
+            }
+            Survival::Chance { probability, reciprocal: r } => {
+                *reciprocal = r;
+                u.seek(depth, Purpose::Survival);
+                // a NaN probability must end the walk, not prolong it
+                u.next_1d() < probability
+            }
+        }
+    }
 }
 
 impl<X: Copy, W: Weight, S> Lane<X, W, S> {
@@ -167,7 +218,9 @@ impl<X: Copy, W: Weight, S> Lane<X, W, S> {
         O: Observer<X, W>,
     {
         scoring.end(equation, &self.visit, &mut self.score, observer);
-        Outcome { walk: self.walk, score: self.score, end }
+        // a walk of weight 0 has nothing left to lose: no bias
+        let truncated = end == End::Cut && self.visit.weight.norm() != 0.0;
+        Outcome { walk: self.walk, score: self.score, end, truncated }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Many walks: cut into chunks by the problem, never by the thread; merged serially in index order.
 
-use super::driver::{End, Lane, backward};
+use super::driver::{Driver, End, Lane};
 use super::observer::{Recorder, Trace};
 use super::scoring::Scoring;
 use super::{Ending, Walk};
@@ -33,6 +33,7 @@ struct Cell<V> {
     tail: Option<Tail>,
     steps: u64,
     cut: u64,
+    truncated: u64,
 }
 
 /// Everything a run needs to go on bit for bit: save it with `serde`, resume with [`Rounds::resume`](super::Rounds::resume).
@@ -69,6 +70,7 @@ struct Chunk<V> {
     tail: Tail,
     steps: u64,
     cut: u64,
+    truncated: u64,
 }
 
 impl<'a, G, K, D, C, E, Q> Run<'a, G, K, D, C, E, Q>
@@ -89,6 +91,7 @@ where
             tail: (cells <= CELLS_WITH_TAILS).then(Tail::default),
             steps: 0,
             cut: 0,
+            truncated: 0,
         };
         // the budget may change on resume, the method may not
         let method = format!("{:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
@@ -180,6 +183,7 @@ where
                 cell.replicates[task / chunks].merge(&chunk.moments);
                 cell.steps += chunk.steps;
                 cell.cut += chunk.cut;
+                cell.truncated += chunk.truncated;
             }
             if let Some(tail) = &mut cell.tail {
                 tail.merge(results.iter().map(|chunk| &chunk.tail));
@@ -190,24 +194,28 @@ where
 
     fn chunk(&self, cell: usize, replicate: u32, from: u64, to: u64) -> Result<Chunk<G::Value>, Error> {
         let mut scores = vec![G::Value::ZERO; (to - from) as usize];
-        let (mut steps, mut cut) = (0, 0);
+        let (mut steps, mut cut, mut truncated) = (0, 0, 0);
+        let Walk { scoring, ending, max_steps, .. } = &self.walk;
+        let driver = Driver { equation: self.equation, scoring, ending, max_steps: *max_steps };
         let mut points = self.walk.sequence.points(cell as u64, replicate, from..to);
         let (mut lanes, mut ranks) = (Vec::with_capacity(FRONT.min(scores.len())), Vec::new());
         for (scores, first) in scores.chunks_mut(FRONT).zip((from..).step_by(FRONT)) {
             lanes.clear();
             lanes.extend(points.by_ref().take(FRONT).enumerate().map(|(i, u)| start(self.detector, cell, i, u)));
             let mut too_long = None;
-            let Walk { scoring, ending, max_steps, .. } = &self.walk;
-            steps += backward(self.equation, scoring, ending, *max_steps, &mut lanes, &mut ranks, &mut (), |walk| {
+            steps += driver.backward(&mut lanes, &mut ranks, &mut (), |walk| {
                 match walk.end {
-                    End::Cut => cut += 1,
+                    End::Cut => {
+                        cut += 1;
+                        truncated += u64::from(walk.truncated);
+                    }
                     End::TooLong => too_long = too_long.or(Some(walk.walk)),
                     End::Absorbed | End::Roulette => {}
                 }
                 scores[walk.walk] = walk.score;
             });
             if let Some(i) = too_long {
-                return Err(Error::WalkTooLong { cell, walk: first + i as u64, steps: *max_steps });
+                return Err(Error::WalkTooLong { cell, walk: first + i as u64, steps: driver.max_steps });
             }
         }
         let moments = Moments::from_scores(&scores);
@@ -218,7 +226,7 @@ where
             Some(tail) => Tail::of_block(&scores, moments.nonzero, tail.threshold()),
             None => Tail::default(),
         };
-        Ok(Chunk { moments, tail, steps, cut })
+        Ok(Chunk { moments, tail, steps, cut, truncated })
     }
 
     /// Finds the cause of scores that are not finite by replaying the first such walk.
@@ -260,7 +268,7 @@ where
             tail: cell.tail.clone(),
             steps: cell.steps,
             evaluations: cell.steps + C::EVALUATIONS * vertices,
-            truncation: self.truncation.map(|t| Truncation { walks: cell.cut, ..t }),
+            truncation: self.truncation.map(|t| Truncation { walks: cell.truncated, ..t }),
             elapsed: self.state.elapsed,
         }
     }
@@ -294,8 +302,7 @@ where
     let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
     let mut lane = [start(detector, cell, 0, walk.sequence.point(cell as u64, replicate, index))];
     let mut outcome = (G::Value::ZERO, End::TooLong);
-    backward(equation, &walk.scoring, &walk.ending, walk.max_steps, &mut lane, &mut Vec::new(), &mut recorder, |walk| {
-        outcome = (walk.score, walk.end)
-    });
+    let driver = Driver { equation, scoring: &walk.scoring, ending: &walk.ending, max_steps: walk.max_steps };
+    driver.backward(&mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
     (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.0, end: outcome.1 })
 }

@@ -3,7 +3,7 @@
 use crate::one;
 use crate::reference::{interval, record, scalar_values};
 use fredholm::deterministic::{Diagonal, Nystrom};
-use fredholm::domain::{Domain, HalfLine, Interval};
+use fredholm::domain::{Cuboid, Domain, HalfLine, Interval};
 use fredholm::kernel::kernel_fn;
 use fredholm::source::source_fn;
 use fredholm::special::{e1, e2};
@@ -184,4 +184,52 @@ fn adaptive_is_not_silently_wrong() {
     for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(eq.solve(&Nystrom::adaptive().tolerance(tolerance)), Err(Error::Invalid { parameter: "tolerance", .. })));
     }
+}
+
+type Plain = fn(f64) -> f64;
+type Pair = fn(f64, f64) -> f64;
+
+#[test]
+fn what_integrates_to_nothing_is_seen_all_the_same() {
+    // a dipole in g between the nodes of small rules: f = g + ½ x S, S = ∫ y f = (∫ y g)/(1 − 1/6)
+    let dipole: Plain = |x| {
+        let z = (x - 0.423_691_647_87) / 2.633e-3;
+        1.0 - z * (-z * z).exp()
+    };
+    let moment = -0.5 * PI.sqrt() * 2.633e-3f64.powi(2);
+    let eq = Equation::on_interval(0.0..=1.0, dipole, (|x, y| 0.5 * x * y) as Pair);
+    match eq.solve(&Nystrom::adaptive().tolerance(1e-10)) {
+        Ok(f) => {
+            let exact = 1.0 + 0.5 * 0.9 * (0.5 + moment) * 1.2;
+            assert!((f.eval(0.9) - exact).abs() < 1e-9, "{} is not {exact}: {f}", f.eval(0.9));
+        }
+        Err(e) => assert!(matches!(e, Error::NotConverged { .. }), "{e}"),
+    }
+    // a spot on the unit square between the nodes of 5, 8 and 11 points a side
+    let spot = |x: &[f64; 2]| 1.0 + (-((x[0] - 0.303).powi(2) + (x[1] - 0.303).powi(2)) / 0.012f64.powi(2)).exp();
+    let eq = Equation::on_domain(Cuboid::<2>::unit(), spot, |_: &[f64; 2], _: &[f64; 2]| 0.5);
+    match eq.solve(&Nystrom::adaptive().tolerance(1e-8)) {
+        Ok(f) => {
+            let exact = 1.0 + (1.0 + PI * 0.012f64.powi(2));
+            assert!((f.eval([0.9, 0.9]) - exact).abs() < 1e-7, "{f}");
+        }
+        Err(e) => assert!(matches!(e, Error::NotConverged { .. }), "{e}"),
+    }
+}
+
+#[test]
+fn no_value_at_the_diagonal_or_at_an_end_is_no_obstacle() {
+    let solve = |g: Plain, k: Pair| Equation::on_interval(0.0..=1.0, g, k).solve(&Nystrom::adaptive().tolerance(1e-10));
+    // sin(4(x − y))/(x − y) without a case for x = y
+    let sinc = solve(|_| 1.0, |x, y| 0.2 * (4.0 * (x - y)).sin() / (x - y)).unwrap();
+    let cased = solve(|_| 1.0, |x, y| if x == y { 0.8 } else { 0.2 * (4.0 * (x - y)).sin() / (x - y) }).unwrap();
+    assert!((sinc.eval(0.3) - cased.eval(0.3)).abs() < 1e-10);
+    // f = 1/(1 − 0.2); K has no value at y = 0
+    let end = solve(|_| 1.0, |_, y| -0.2 * y.ln()).unwrap();
+    assert!((end.eval(0.5) - 1.25).abs() < 1e-10, "{} {end}", end.eval(0.5));
+    assert!(matches!(solve(|_| 1e308, |_, _| 0.95), Err(Error::NonFiniteSolution { .. } | Error::NotConverged { .. })));
+    // a jump declared a little beside its place: the place found counts
+    let eq = Equation::on_interval(0.0..=1.0, (|_| 1.0) as Plain, (|_, y| if y < 1.0 / 3.0 { 0.3 } else { 0.6 }) as Pair);
+    let f = eq.solve(&Nystrom::adaptive().tolerance(1e-12).breakpoints(&[0.333_333_333_5])).unwrap();
+    assert!((f.eval(0.5) - 2.0).abs() < 1e-12, "{}", f.eval(0.5));
 }
