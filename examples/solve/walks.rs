@@ -155,10 +155,13 @@ impl<D: Domain> Runner<'_, D> {
 }
 
 fn comparison(estimate: &Estimate<f64>, label: &str, reference: Option<f64>) -> Comparison {
+    let bias = estimate.truncation.map_or(Some(0.0), |t| t.bias_bound);
     let refusal = match estimate.verdict() {
         // scores that are all exactly zero say nothing, unless nothing is the answer
         Verdict::NothingScored if reference == Some(0.0) => None,
         verdict @ (Verdict::InfiniteVariance | Verdict::NothingScored) => Some(verdict.to_string()),
+        _ if estimate.std_error.is_none() => Some("no standard error: a single walk".into()),
+        _ if bias.is_none() => Some("no bound of the truncation bias is known".into()),
         _ => None,
     };
     Comparison {
@@ -166,7 +169,7 @@ fn comparison(estimate: &Estimate<f64>, label: &str, reference: Option<f64>) -> 
         value: estimate.value,
         error: estimate.std_error.unwrap_or(f64::INFINITY),
         freedom: Some(estimate.degrees_of_freedom),
-        bias: estimate.truncation.map_or(0.0, |t| t.bias_bound.unwrap_or(f64::INFINITY)),
+        bias: bias.unwrap_or(f64::INFINITY),
         reference,
         evaluations: estimate.evaluations,
         refusal,

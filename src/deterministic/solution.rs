@@ -135,7 +135,7 @@ where
         self.system.factor.unknowns()
     }
 
-    /// Kernel evaluations of the solve (all attempts, for an adaptive one).
+    /// Kernel evaluations of assembling the systems (all attempts, for an adaptive one); choosing panels and checking the answer are not counted.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.evaluations

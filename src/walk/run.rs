@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 /// Walks in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 const CHUNK: u64 = 1024;
-/// Walks abreast: enough to hide latencies, few enough for the first cache.
+/// Walks abreast: enough to hide latencies, few enough for the first cache where weights are numbers.
 const FRONT: usize = 128;
 /// Chunks in flight before they are merged: bounds memory on long runs.
 const BATCH: usize = 4096;
