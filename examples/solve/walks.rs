@@ -23,6 +23,8 @@ const MOST_SURVIVAL: f64 = 0.995;
 /// Default numbers of walks for one value: at most, and at least however long they are.
 const MOST: u64 = 4096;
 const FEWEST: u64 = 512;
+/// At most so many times more, where the errors themselves are still uncertain.
+const MORE: u64 = 16;
 /// Steps for one file and method where walks are long.
 const STEPS: f64 = 4e6;
 /// Deepest fixed depth.
@@ -132,6 +134,7 @@ impl<D: Domain> Runner<'_, D> {
         Ok(((STEPS / (cells * length)) as u64).clamp(FEWEST, MOST))
     }
 
+    /// The walk with the samples asked for; else with the default, and fourfold while the errors themselves are uncertain.
     fn run<G, K, C, E>(&self, eq: &Equation<G, K>, walk: &Walk<C, E>) -> Found
     where
         G: SampleSource<Point = D::Point, Value = f64>,
@@ -139,9 +142,27 @@ impl<D: Domain> Runner<'_, D> {
         C: Scoring<G, K>,
         E: Ending<K>,
     {
-        let walk = walk.samples_per_cell(self.samples(eq.kernel())?).seed(self.options.seed);
+        let fewest = self.samples(eq.kernel())?;
+        let most = if self.options.samples.is_some() { fewest } else { MORE * fewest };
+        let mut samples = fewest;
+        loop {
+            let found = self.once(eq, &walk.samples_per_cell(samples).seed(self.options.seed))?;
+            if samples >= most || found.iter().all(|c| c.refusal.is_none()) {
+                return Ok(found);
+            }
+            samples *= 4;
+        }
+    }
+
+    fn once<G, K, C, E>(&self, eq: &Equation<G, K>, walk: &Walk<C, E>) -> Found
+    where
+        G: SampleSource<Point = D::Point, Value = f64>,
+        K: Transition + Operator<Point = D::Point, Weight = f64>,
+        C: Scoring<G, K>,
+        E: Ending<K>,
+    {
         let points: Vec<_> = self.stated.points.iter().map(|p| p.point).collect();
-        let estimates = eq.on(&points).solve(&walk)?;
+        let estimates = eq.on(&points).solve(walk)?;
         let known = self.stated.points.iter();
         let mut found: Vec<_> = estimates.iter().zip(known).map(|(e, k)| comparison(e, &format!("x = {}", k.label), k.value)).collect();
         for (i, functional) in self.stated.functionals.iter().enumerate() {
@@ -159,7 +180,7 @@ fn comparison(estimate: &Estimate<f64>, label: &str, reference: Option<f64>) -> 
     let refusal = match estimate.verdict() {
         // scores that are all exactly zero say nothing, unless nothing is the answer
         Verdict::NothingScored if reference == Some(0.0) => None,
-        verdict @ (Verdict::InfiniteVariance | Verdict::NothingScored) => Some(verdict.to_string()),
+        verdict @ (Verdict::InfiniteVariance | Verdict::NothingScored | Verdict::Doubtful) => Some(verdict.to_string()),
         _ if estimate.std_error.is_none() => Some("no standard error: a single walk".into()),
         _ if bias.is_none() => Some("no bound of the truncation bias is known".into()),
         _ => None,
