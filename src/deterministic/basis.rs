@@ -15,25 +15,30 @@ pub(crate) struct Basis {
     scale: Vec<f64>,
     /// ℓ_j′(u_k) at k · len + j
     slopes: Vec<f64>,
+    /// ℓ_k = Σ_n c_kn P_n(2u − 1), at k · len + n
+    legendre: Vec<f64>,
 }
 
 impl Basis {
     /// Polynomials of degree `order` − 1 through the Gauss–Legendre nodes.
     pub(crate) fn gauss(order: usize) -> Self {
         let rule = unit_rule(order);
+        // discrete orthogonality: products of two P_n are integrated exactly
+        let coefficient = |n: usize, u: &Node<f64>| (2 * n + 1) as f64 * u.weight * legendre(n, 2.0 * u.point - 1.0);
+        let coefficients = rule.iter().flat_map(|u| (0..order).map(move |n| coefficient(n, u))).collect();
         let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let scale = rule.iter().enumerate().map(|(k, n)| sign(k) * (n.point * (1.0 - n.point) * n.weight).sqrt()).collect();
-        Basis::new(rule, scale)
+        Basis::new(rule, scale, coefficients)
     }
 
     /// The two halves of hat functions on an element: linear functions through its ends.
     pub(crate) fn hats() -> Self {
         let rule = [0.0, 1.0].map(|point| Node { point, weight: 0.5 }).to_vec();
-        Basis::new(rule, vec![1.0, -1.0])
+        Basis::new(rule, vec![1.0, -1.0], vec![0.5, -0.5, 0.5, 0.5])
     }
 
     /// Slopes at the nodes: Berrut, Trefethen (2004), (9.4), with rows that sum to 0.
-    fn new(rule: Vec<Node<f64>>, scale: Vec<f64>) -> Self {
+    fn new(rule: Vec<Node<f64>>, scale: Vec<f64>, legendre: Vec<f64>) -> Self {
         let n = rule.len();
         let mut slopes = vec![0.0; n * n];
         for k in 0..n {
@@ -42,7 +47,7 @@ impl Basis {
                 slopes[k * n + k] -= slopes[k * n + j];
             }
         }
-        Basis { rule, scale, slopes }
+        Basis { rule, scale, slopes, legendre }
     }
 
     /// Weights for the nodes u_k + `shifts`_k instead of u_k, to first order in the shifts: φ(u_k) ≈ φ(u_k + δ_k) − δ_k φ′(u_k), with φ′ that of
@@ -79,6 +84,15 @@ impl Basis {
             sum += out[k];
         }
         out.iter_mut().for_each(|o| *o /= sum);
+    }
+
+    /// Integrals against ℓ_k, added to `out`, from those against P_n(2u − 1); both hold `width` numbers a function.
+    pub(crate) fn add_from_legendre(&self, integrals: &[f64], width: usize, out: &mut [f64]) {
+        for (coefficients, out) in self.legendre.chunks_exact(self.len()).zip(out.chunks_exact_mut(width)) {
+            for (c, row) in coefficients.iter().zip(integrals.chunks_exact(width)) {
+                out.iter_mut().zip(row).for_each(|(o, m)| *o += c * m);
+            }
+        }
     }
 
     /// Size of the last Legendre coefficients of the interpolant through `values`: what the basis fails to resolve.

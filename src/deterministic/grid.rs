@@ -1,7 +1,7 @@
 //! Nodes of a quadrature rule on a domain, and rows of the operator on them.
 
 use super::basis::Basis;
-use super::near::{Target, components};
+use super::near::{Target, components, nearer_end};
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
@@ -27,6 +27,19 @@ pub(crate) struct Panels {
     pub(crate) basis: Basis,
     /// rule for a piece of a near panel
     pieces: Basis,
+}
+
+/// Value of an interpolant at one place: Σ weights_k value(first + k).
+#[derive(Clone, Debug)]
+pub(crate) struct Stencil {
+    pub(crate) first: usize,
+    weights: Vec<f64>,
+}
+
+impl Stencil {
+    pub(crate) fn apply(&self, value: impl Fn(usize) -> f64) -> f64 {
+        self.weights.iter().enumerate().map(|(k, w)| w * value(self.first + k)).sum()
+    }
 }
 
 impl Panels {
@@ -71,17 +84,13 @@ impl<X: Point> Grid<X> {
         }
         check_size((breaks.len() - 1) as f64 * order as f64 * domain.states() as f64)?;
         let basis = Basis::gauss(order);
-        let node = |state: usize, a: f64, b: f64, n: &Node<f64>| {
-            let placed = domain.place(state, || a + (b - a) * n.point);
-            Node { point: placed.point, weight: placed.weight * n.weight * (b - a) }
-        };
         let mut nodes = Vec::with_capacity(domain.states() * (breaks.len() - 1) * order);
         for state in 0..domain.states() {
             for ends in breaks.windows(2) {
-                nodes.extend(basis.rule().iter().map(|n| node(state, ends[0], ends[1], n)));
+                add_panel(domain, state, (ends[0], ends[1]), &basis, &mut nodes);
             }
         }
-        let pieces = Basis::gauss(order.max(12));
+        let pieces = Basis::gauss(order.max(16));
         Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None })
     }
 
@@ -89,30 +98,28 @@ impl<X: Point> Grid<X> {
         self.panels.as_ref()
     }
 
-    /// Value at x of the polynomials through values at the nodes, panel by panel or over the whole cube; `None` for composite rules.
-    pub(crate) fn interpolate<D: Domain<Point = X>>(&self, domain: &D, x: &X, value: impl Fn(usize) -> f64) -> Option<f64> {
+    /// What the polynomials through values at the nodes are at x, panel by panel or over the whole cube; `None` for composite rules.
+    pub(crate) fn stencil<D: Domain<Point = X>>(&self, domain: &D, x: &X) -> Option<Stencil> {
         let per_state = self.nodes.len() / domain.states();
         let first = domain.state(x) * per_state;
         if let Some(panels) = &self.panels {
             let t = domain.coordinate(x, 0);
             let p = panels.at(t);
             let (a, b) = panels.panel(p);
-            let mut basis = vec![0.0; panels.basis.len()];
-            panels.basis.values((t - a) / (b - a), &mut basis);
-            return Some(basis.iter().enumerate().map(|(k, l)| l * value(first + p * basis.len() + k)).sum());
+            let mut weights = vec![0.0; panels.basis.len()];
+            panels.basis.values((t - a) / (b - a), &mut weights);
+            return Some(Stencil { first: first + p * weights.len(), weights });
         }
         let axis = self.tensor.as_ref()?;
         let n = axis.len();
-        let factors: Vec<Vec<f64>> = (0..domain.dimension())
-            .map(|a| {
-                let mut l = vec![0.0; n];
-                axis.values(domain.coordinate(x, a), &mut l);
-                l
-            })
-            .collect();
-        // the first coordinate runs fastest, as in `Domain::rule`
-        let weight = |i: usize| factors.iter().fold((1.0, i), |(w, rest), l| (w * l[rest % n], rest / n)).0;
-        Some((0..per_state).map(|i| weight(i) * value(first + i)).sum())
+        let mut weights = vec![1.0];
+        let mut factors = vec![0.0; n];
+        for a in 0..domain.dimension() {
+            axis.values(domain.coordinate(x, a), &mut factors);
+            // the first coordinate runs fastest, as in `Domain::rule`
+            weights = factors.iter().flat_map(|l| weights.iter().map(move |w| w * l)).collect();
+        }
+        Some(Stencil { first, weights })
     }
 
     /// The row of T at x: `out[(a n + j) c + b]` is the weight of component b of f(y_j) in component a of (Tf)(x). Returns kernel evaluations.
@@ -172,6 +179,28 @@ impl<X: Point> Grid<X> {
         let evaluations = counts.into_iter().sum::<Result<_, _>>()?;
         Ok((matrix, evaluations))
     }
+}
+
+/// Gauss nodes of one panel, found from the nearer end of the domain, with weights for where floating-point numbers put them: towards an end where f and K
+/// are singular the last bit of a node shows.
+fn add_panel<D: Domain>(domain: &D, state: usize, (a, b): (f64, f64), basis: &Basis, nodes: &mut Vec<Node<D::Point>>) {
+    let origin = nearer_end(domain, 0.5 * (a + b));
+    let end = domain.place(state, || origin).point;
+    let (mut shifts, mut weights) = (vec![0.0; basis.len()], vec![0.0; basis.len()]);
+    let first = nodes.len();
+    for (n, shift) in basis.rule().iter().zip(&mut shifts) {
+        let wanted = (a - origin) + (b - a) * n.point;
+        if wanted > 0.5 {
+            // towards infinity there is no end to count from
+            nodes.push(domain.place(state, || wanted));
+            continue;
+        }
+        let placed = domain.displaced(&end, state, wanted);
+        *shift = (domain.separation(&end, &placed.point) - wanted) / (b - a);
+        nodes.push(placed);
+    }
+    basis.shifted_weights(&shifts, &mut weights);
+    nodes[first..].iter_mut().zip(&weights).for_each(|(n, w)| n.weight *= w * (b - a));
 }
 
 /// Refuses systems that would not fit.

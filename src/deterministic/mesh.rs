@@ -70,7 +70,7 @@ impl Mesh {
         let breaks = self.breaks(domain)?;
         check_size(unknowns((breaks.len() - 1) as f64))?;
         // K ℓ_k is integrated beyond the order of the iterated solution
-        Ok(Space { breaks, basis, step, states: domain.states(), degree, pieces: Basis::gauss((degree + 8).max(12)) })
+        Ok(Space { breaks, basis, step, states: domain.states(), degree, pieces: Basis::gauss((degree + 8).max(16)) })
     }
 
     /// Ends of the elements as coordinates of the map: the elements are shared over the segments by length, at least one each.

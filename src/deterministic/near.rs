@@ -1,6 +1,6 @@
 //! Product integration towards the diagonal: ∫ K(x, y) ℓ_k(y) dμ(y) over one panel for a target x in or near it.
 //!
-//! The panel is cut at y = x, and each side into pieces r ∈ [ρ, 2ρ] of the distance r = |t_y − t_x|, on which a kernel with a kink, a jump, a
+//! The panel is cut at y = x, and each side into pieces r ∈ [ρ, 2ρ] or [ρ, 4ρ] of the distance r = |t_y − t_x|, on which a kernel with a kink, a jump, a
 //! logarithm or an algebraic singularity at r = 0 (or a peak of any width) is analytic in a fixed ellipse: the same Gauss rule converges
 //! geometrically on every piece (problems §4, algorithm 2). K is never evaluated at y = x nor outside the domain.
 //!
@@ -26,13 +26,20 @@ pub(crate) fn components<K: Kernel>() -> usize {
     <<K::Weight as Weight>::Value as Value>::COMPONENTS
 }
 
+/// The end of the domain, 0 or 1, from which coordinates near t keep their digits. Infinity is no end to count from.
+pub(crate) fn nearer_end<D: Domain>(domain: &D, t: f64) -> f64 {
+    if t > 0.5 && domain.volume().is_finite() { 1.0 } else { 0.0 }
+}
+
 /// A point x at which rows of the operator are wanted, with what its place in the map implies.
 #[derive(Debug)]
 pub(crate) struct Target<'a, K: HasDomain> {
     kernel: &'a K,
     x: &'a K::Point,
+    /// the end of the domain, 0 or 1, that coordinates are counted from: the nearer one, so that they keep their digits
+    origin: f64,
     /// coordinate of x
-    pub(crate) t: f64,
+    t: f64,
     /// smallest distance at which y − x keeps 16 bits
     resolved: f64,
 }
@@ -48,7 +55,17 @@ const NOT_INTEGRABLE: f64 = 0.985;
 /// Ratios this close speak of one power of r.
 const SAME_POWER: f64 = 0.02;
 /// Halvings after which the rest of a side is tested for smoothness; each test costs three pieces.
-const TESTED: [u32; 5] = [0, 2, 5, 10, 18];
+const TESTED: [u32; 5] = [0, 2, 5, 11, 19];
+/// Halvings after which pieces reach to a quarter: what is left of a panel is small enough for its polynomials to be of low degree, and a rule of 16
+/// nodes integrates what is analytic but for y = x to 3^{−32} on r ∈ [ρ, 4ρ].
+const WIDE_PIECES: u32 = 3;
+/// Halvings after which the extrapolation may do: each test costs five pieces.
+const SETTLED: [u32; 3] = [23, 29, 35];
+/// Error of what is extrapolated, as a share of ∫ K over the panel.
+const EXTRAPOLATED: f64 = 2e-17;
+/// Halvings of r at which K must be what the extrapolation takes it for, and how closely.
+const BELOW: [i32; 4] = [2, 5, 9, 13];
+const FORESEEN: f64 = 1e-5;
 /// Shares of a side at which its interpolant is compared with K, and how closely: extrapolation to x multiplies rounding by the square of the order.
 const TOWARDS: [f64; 5] = [1.0 / 128.0, 1.0 / 4096.0, 1e-6, 1e-8, 1e-10];
 const INTERPOLATED: f64 = 1e-11;
@@ -58,35 +75,51 @@ const SMOOTH: f64 = 4e-15;
 impl<'a, K: Kernel + HasDomain> Target<'a, K> {
     pub(crate) fn new(kernel: &'a K, x: &'a K::Point) -> Self {
         let domain = kernel.domain();
-        let t = domain.coordinate(x, 0);
         let state = domain.state(x);
+        let t = domain.coordinate(x, 0);
+        let origin = nearer_end(domain, t);
+        let t = if origin == 1.0 { domain.separation(&domain.place(state, || 1.0).point, x) } else { t };
+        let inside = |t: f64| (-origin..=1.0 - origin).contains(&t);
         let kept = |d: f64| {
             let apart = |y: &K::Point| domain.separation(x, y);
-            !(0.0..=1.0).contains(&(t + d)) || (apart(&domain.displaced(x, state, d).point) - d).abs() <= DISTANCE_BITS * d.abs()
+            !inside(t + d) || (apart(&domain.displaced(x, state, d).point) - d).abs() <= DISTANCE_BITS * d.abs()
         };
         let mut resolved = 0.125;
         // factors without a short binary expansion: an accidentally exact sum must not pass
         while resolved > FINEST && [0.685, -0.685, 0.597, -0.597].iter().all(|f| kept(f * resolved)) {
             resolved *= 0.5;
         }
-        Target { kernel, x, t, resolved: 2.0 * resolved }
+        Target { kernel, x, origin, t, resolved: 2.0 * resolved }
+    }
+
+    /// A panel in coordinates from the origin: exact where they are close.
+    fn relative(&self, (a, b): (f64, f64)) -> (f64, f64) {
+        (a - self.origin, b - self.origin)
+    }
+
+    /// Whether the domain reaches to distance r on a side of x.
+    fn reaches(&self, sign: f64, r: f64) -> bool {
+        (-self.origin..=1.0 - self.origin).contains(&(self.t + sign * r))
     }
 
     /// Whether the panel [a, b] needs product integration: its distance to x is less than its length.
-    pub(crate) fn is_near(&self, (a, b): (f64, f64)) -> bool {
+    pub(crate) fn is_near(&self, panel: (f64, f64)) -> bool {
+        let (a, b) = self.relative(panel);
         (a - self.t).max(self.t - b) < b - a
     }
 
     /// Adds ∫ K(x, y) ℓ_k(y) dμ(y) over the panel to `out[(k c + row) c + column]`; `rule` integrates a piece. Returns kernel evaluations.
     pub(crate) fn moments(&self, state: usize, panel: (f64, f64), basis: &Basis, rule: &Basis, out: &mut [f64]) -> Result<u64, Error> {
-        let (a, b) = panel;
+        let (near, (a, b)) = (self.is_near(panel), self.relative(panel));
         let mut pieces = Pieces {
             target: self,
             state,
-            panel,
+            panel: (a, b),
             basis,
             rule,
             values: vec![0.0; basis.len()],
+            integrals: vec![0.0; basis.len() * components::<K>().pow(2)],
+            recurrence: vec![[0.0; 3]; rule.len()],
             densities: vec![0.0; rule.len() * components::<K>().pow(2)],
             distances: vec![0.0; rule.len()],
             shifts: vec![0.0; rule.len()],
@@ -94,17 +127,18 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
             out,
             evaluations: 0,
         };
-        if !self.is_near(panel) {
+        if !near {
             let side = if a > self.t { 1.0 } else { -1.0 };
             pieces.add(side, (a - self.t).max(self.t - b), (b - self.t).max(self.t - a))?;
-            return Ok(pieces.evaluations);
+        } else {
+            if a < self.t {
+                pieces.side(-1.0, (self.t - b).max(0.0), self.t - a)?;
+            }
+            if b > self.t {
+                pieces.side(1.0, (a - self.t).max(0.0), b - self.t)?;
+            }
         }
-        if a < self.t {
-            pieces.side(-1.0, (self.t - b).max(0.0), self.t - a)?;
-        }
-        if b > self.t {
-            pieces.side(1.0, (a - self.t).max(0.0), b - self.t)?;
-        }
+        basis.add_from_legendre(&pieces.integrals, components::<K>().pow(2), pieces.out);
         Ok(pieces.evaluations)
     }
 
@@ -131,10 +165,15 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
 struct Pieces<'a, 'b, K: HasDomain> {
     target: &'b Target<'a, K>,
     state: usize,
+    /// from the target's origin
     panel: (f64, f64),
     basis: &'b Basis,
     rule: &'b Basis,
     values: Vec<f64>,
+    /// ∫ K P_n over the pieces so far
+    integrals: Vec<f64>,
+    /// P_{n−1}, P_n and the argument at the nodes of the piece
+    recurrence: Vec<[f64; 3]>,
     /// of the piece at hand, node by node: K dμ/dt, distances from x, shifts in units of the piece, weights
     densities: Vec<f64>,
     distances: Vec<f64>,
@@ -152,15 +191,19 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         let mut outer = farthest;
         let mut halvings = 0;
         while outer > stop {
+            if SETTLED.contains(&halvings) && nearest < smallest && self.is_settled(sign, outer)? {
+                return self.innermost(sign, nearest, outer, outer);
+            }
             if nearest < smallest && outer > 64.0 * smallest && TESTED.contains(&halvings) && self.is_smooth(sign, outer)? {
                 return self.add(sign, nearest, outer);
             }
-            let half = 0.5 * outer;
+            let levels = if halvings < WIDE_PIECES { 1 } else { 2 };
+            let next = outer * 0.5f64.powi(levels as i32);
             // no sliver as the last piece
-            let inner = if half <= 1.2 * stop { stop } else { half };
+            let inner = if next <= 1.2 * stop { stop } else { next };
             self.add(sign, inner, outer)?;
             outer = inner;
-            halvings += 1;
+            halvings += levels;
         }
         if nearest < smallest { self.innermost(sign, nearest, outer, smallest) } else { Ok(()) }
     }
@@ -185,11 +228,20 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
     fn add(&mut self, sign: f64, inner: f64, outer: f64) -> Result<(), Error> {
         self.visit(sign, inner, outer)?;
         let (a, b) = self.panel;
-        let c2 = components::<K>().pow(2);
-        for ((w, r), density) in self.weights.iter().zip(&self.distances).zip(self.densities.chunks_exact(c2)) {
-            self.basis.values((self.target.t + sign * r - a) / (b - a), &mut self.values);
-            for (out, v) in self.out.chunks_exact_mut(c2).zip(&self.values) {
-                out.iter_mut().zip(density).for_each(|(o, k)| *o += w * (outer - inner) * k * v);
+        let (c2, t) = (components::<K>().pow(2), self.target.t);
+        for ((p, r), (w, density)) in
+            self.recurrence.iter_mut().zip(&self.distances).zip(self.weights.iter().zip(self.densities.chunks_exact_mut(c2)))
+        {
+            *p = [0.0, 1.0, 2.0 * ((t + sign * r - a) / (b - a)) - 1.0];
+            density.iter_mut().for_each(|k| *k *= w * (outer - inner));
+        }
+        // node by node within a degree: nothing waits for the recurrence of another node
+        for (n, out) in self.integrals.chunks_exact_mut(c2).enumerate() {
+            let (up, down) = ((2 * n + 1) as f64 / (n + 1) as f64, n as f64 / (n + 1) as f64);
+            for (p, density) in self.recurrence.iter_mut().zip(self.densities.chunks_exact(c2)) {
+                let [before, now, x] = *p;
+                out.iter_mut().zip(density).for_each(|(o, k)| *o += now * k);
+                (p[0], p[1]) = (now, up * x * now - down * before);
             }
         }
         Ok(())
@@ -200,17 +252,56 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         let (a, b) = self.panel;
         let t = self.target.t;
         // within 8s of the domain's end the other side must serve
-        let reach = if (0.0..=1.0).contains(&(t + sign * 8.0 * s)) { sign } else { -sign };
+        let reach = if self.target.reaches(sign, 8.0 * s) { sign } else { -sign };
         let masses = [self.mass(reach, s, 2.0 * s)?, self.mass(reach, 2.0 * s, 4.0 * s)?, self.mass(reach, 4.0 * s, 8.0 * s)?];
-        let middle = t + sign * 0.5 * (nearest + farthest);
-        self.basis.values(((middle - a) / (b - a)).clamp(0.0, 1.0), &mut self.values);
         for e in 0..masses[0].len() {
             let means: [f64; 3] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
             let (whole, power) = below(means).map_err(|ratio| Error::NotIntegrable { x: format!("{:?}", self.target.x), ratio })?;
             let share = (farthest / s).powf(power) - (nearest / s).powf(power);
+            // centre of the mass r^{power − 1} dr: a straight line is integrated exactly
+            let centre = nearest + (farthest - nearest) * power / (1.0 + power);
+            self.basis.values(((t + sign * centre - a) / (b - a)).clamp(0.0, 1.0), &mut self.values);
             self.values.iter().enumerate().for_each(|(l, v)| self.out[l * masses[0].len() + e] += s * whole * share * v);
         }
         Ok(())
+    }
+
+    /// Whether ∫ K over distances below s may be extrapolated: from [2s, 16s] it must come out as from [s, 8s], up to a share of what there is of K on the
+    /// panel, and K must go on as foreseen.
+    fn is_settled(&mut self, sign: f64, s: f64) -> Result<bool, Error> {
+        if !self.target.reaches(sign, 16.0 * s) {
+            return Ok(false);
+        }
+        let mut masses = Vec::new();
+        for k in 0..4 {
+            masses.push(self.mass(sign, s * f64::from(1 << k), s * f64::from(2 << k))?);
+        }
+        for e in 0..masses[0].len() {
+            let means: [f64; 4] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
+            let (Ok((inner, _)), Ok((outer, _))) = (below([means[0], means[1], means[2]]), below([means[1], means[2], means[3]])) else {
+                return Ok(false);
+            };
+            if !(s * (2.0 * outer - inner - means[0]).abs() <= EXTRAPOLATED * self.integrals[e].abs()) {
+                return Ok(false);
+            }
+        }
+        let c2 = masses[0].len();
+        let mut values = vec![0.0; c2 * (3 + BELOW.len())];
+        for (k, out) in [-2, -1, 0].into_iter().chain(BELOW).zip(values.chunks_exact_mut(c2)) {
+            if self.target.density(self.state, sign, s * 0.5f64.powi(k), out)?.is_none() {
+                return Ok(false);
+            }
+        }
+        self.evaluations += (3 + BELOW.len()) as u64;
+        Ok((0..c2).all(|e| {
+            let k = |i: usize| values[i * c2 + e];
+            let (step, size) = (k(2) - k(1), k(0).abs().max(k(2).abs()));
+            let growth = if step.abs() > FORESEEN * FORESEEN * size { step / (k(1) - k(0)) } else { 0.5 };
+            BELOW.iter().enumerate().all(|(i, halvings)| {
+                let foreseen = k(2) + step * (1..=*halvings).map(|j| growth.powi(j)).sum::<f64>();
+                (k(3 + i) - foreseen).abs() <= FORESEEN * foreseen.abs().max(size)
+            })
+        }))
     }
 
     /// Whether one piece integrates K over distances [0, outer] as well as two do, and its interpolant is K on the way to x: of a peak on the diagonal

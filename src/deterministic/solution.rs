@@ -182,7 +182,7 @@ where
     /// # Errors
     /// Those of [`try_eval`](NystromSolution::try_eval).
     pub fn residual(&self, x: K::Point) -> Result<G::Value, Error> {
-        let check = self.check.get_or_init(|| self.independent()).as_ref().map_err(Clone::clone)?;
+        let check = self.check.get_or_init(|| self.independent(0.0)).as_ref().map_err(Clone::clone)?;
         Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - self.integral_term(x)?)
     }
 
@@ -204,12 +204,34 @@ where
 
     /// The residual at node `j`, where f − g is T f of the solve up to the rounding of the linear system.
     pub(super) fn residual_at_node(&self, j: usize) -> Result<G::Value, Error> {
-        let check = self.check.get_or_init(|| self.independent()).as_ref().map_err(Clone::clone)?;
+        let check = self.check.get_or_init(|| self.independent(0.0)).as_ref().map_err(Clone::clone)?;
         let x = self.system.grid.nodes[j].point;
         Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - (self.values[j] - self.source.eval(&x)))
     }
 
-    fn independent(&self) -> Result<Check<K::Point, G::Value>, Error> {
+    /// Prepares residuals for which f between nodes may err by `allowed`: polynomials instead of rows where they are good enough.
+    pub(super) fn prepare_residuals(&self, allowed: f64) {
+        self.check.get_or_init(|| self.independent(allowed));
+    }
+
+    /// f at places between nodes: by the polynomials through the nodes of panels that resolve f up to `allowed`, else by rows.
+    pub(super) fn between_nodes(&self, places: &[K::Point], allowed: f64) -> Result<Vec<G::Value>, Error> {
+        let (grid, domain) = (&self.system.grid, self.system.kernel.domain());
+        let resolved: Vec<bool> = grid.panels().map_or_else(Vec::new, |panels| {
+            let tail = |values: &[G::Value], a: usize| panels.basis.tail(&values.iter().map(|v| v.component(a)).collect::<Vec<_>>());
+            let fine = |values: &[G::Value]| (0..G::Value::COMPONENTS).all(|a| tail(values, a) <= allowed);
+            self.values.chunks_exact(panels.basis.len()).map(fine).collect()
+        });
+        let at = |x: &K::Point| match grid.panels().and_then(|p| Some((p.basis.len(), grid.stencil(domain, x)?))) {
+            Some((order, stencil)) if resolved[stencil.first / order] => {
+                Ok(G::Value::from_components(|a| stencil.apply(|j| self.values[j].component(a))))
+            }
+            _ => self.try_eval(x),
+        };
+        parallel::map(places.len(), |i| at(&places[i])).into_iter().collect()
+    }
+
+    fn independent(&self, allowed: f64) -> Result<Check<K::Point, G::Value>, Error> {
         let domain = self.system.kernel.domain();
         let grid = match self.system.grid.panels() {
             Some(p) => Grid::panelled(domain, between(&p.breaks, domain.volume().is_finite()), p.basis.len() + 3)?,
@@ -222,8 +244,8 @@ where
                 }
             }
         };
-        let values = parallel::map(grid.nodes.len(), |i| self.try_eval(&grid.nodes[i].point));
-        let values = values.into_iter().collect::<Result<_, _>>()?;
+        let places: Vec<K::Point> = grid.nodes.iter().map(|n| n.point).collect();
+        let values = self.between_nodes(&places, allowed)?;
         Ok(Check { grid, values })
     }
 }

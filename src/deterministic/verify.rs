@@ -8,7 +8,7 @@
 //! What is narrower than the lattice of places can still hide: 1/3072 of a line away from the diagonal, 1/64 of the side of a square, 1/16 of a cube's, and
 //! in x, where K is localised in both variables, 1/62 of a line. No finite number of values excludes it.
 
-use super::grid::Grid;
+use super::grid::{Grid, Stencil};
 use super::near::{Target, components};
 use super::solution::NystromSolution;
 use crate::domain::{Domain, Node, Point};
@@ -29,8 +29,10 @@ const SCANNED: usize = 3072;
 const ROWS: usize = 48;
 /// What of a row is more than interpolation, which the rule squares: a feature that the nodes do not have.
 const FEATURE: f64 = 1e-5;
+/// f between nodes may be that of polynomials that leave less than this share of what is allowed.
+const POLYNOMIAL: f64 = 0.01;
 /// An error found by defect correction is known to its own order of magnitude.
-const SAFETY: f64 = 2.0;
+const SAFETY: f64 = 1.5;
 
 /// What the checks found.
 pub(super) struct Verdict {
@@ -57,14 +59,23 @@ where
     if !(change <= allowed && allowed.is_finite()) {
         return Ok(Verdict { error: change, doubtful });
     }
+    fine.prepare_residuals(POLYNOMIAL * allowed);
     let residual = check.residual(&probes)?;
     let unseen = check.unseen(&probes, allowed)?;
-    let found = [change, residual, unseen];
-    // NaN must not pass: `f64::max` would drop it
-    let error = if found.iter().any(|e| e.is_nan()) { f64::INFINITY } else { found.into_iter().fold(0.0, f64::max) };
-    // values of K, taken to be good to 2ε, err alike in both rules: neither check can see what that does
-    let error = error.max(4.0 * rounding(fine));
-    Ok(Verdict { error, doubtful: Vec::new() })
+    // values of K, taken to be good to 1.4 ε, err alike in both rules: neither check can see what that does
+    let mut error = Largest::default();
+    [change, residual, unseen, 2.75 * rounding(fine)].into_iter().for_each(|e| error.see(e));
+    Ok(Verdict { error: error.0, doubtful: Vec::new() })
+}
+
+/// The largest of numbers that are not negative; NaN counts as infinite, where `f64::max` would drop it.
+#[derive(Default)]
+struct Largest(f64);
+
+impl Largest {
+    fn see(&mut self, value: f64) {
+        self.0 = if value.is_nan() { f64::INFINITY } else { self.0.max(value) };
+    }
 }
 
 /// What one rounding of every value of K in the same direction does to f: ½ε (I − T)⁻¹ T f.
@@ -111,27 +122,26 @@ where
         self.fine.try_eval(&x).is_ok().then_some(x)
     }
 
-    /// Largest difference of the two solves over the nodes of the finer and the probes, and the panels where it is too large.
+    /// Largest difference of the two solves over the nodes of the coarser and the probes, and the panels where it is too large.
     fn change(&self, coarse: &NystromSolution<G, K>, probes: &[K::Point], allowed: f64) -> Result<(f64, Vec<usize>), Error> {
-        let mut worst = 0.0f64;
-        for x in probes {
-            let difference = (coarse.try_eval(x)? - self.fine.try_eval(x)?).magnitude();
-            worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
-        }
-        let (nodes, values) = (&self.grid().nodes, self.fine.values());
-        let at_nodes = parallel::map(nodes.len(), |j| coarse.try_eval(&nodes[j].point).map(|v| (v - values[j]).magnitude()));
+        let places: Vec<K::Point> = coarse.nodes().collect();
+        let fine = self.fine.between_nodes(&places, POLYNOMIAL * allowed)?;
+        let at_nodes = fine.iter().zip(coarse.values()).map(|(f, c)| (*f - *c).magnitude());
+        let mut worst = Largest::default();
         let mut doubtful = Vec::new();
-        for (j, difference) in at_nodes.into_iter().enumerate() {
-            let difference = difference?;
-            worst = if difference.is_nan() { f64::INFINITY } else { worst.max(difference) };
-            if let Some(panels) = self.grid().panels()
+        for (j, difference) in at_nodes.enumerate() {
+            worst.see(difference);
+            if let Some(panels) = coarse.system().grid.panels()
                 && !(difference <= 0.3 * allowed)
             {
                 doubtful.push(j / panels.basis.len() % panels.count());
             }
         }
+        for x in probes {
+            worst.see((coarse.try_eval(x)? - self.fine.try_eval(x)?).magnitude());
+        }
         doubtful.dedup();
-        Ok((worst, doubtful))
+        Ok((worst.0, doubtful))
     }
 
     /// The error by defect correction from residuals at the nodes, and the residuals themselves elsewhere.
@@ -144,69 +154,85 @@ where
             (0..c).for_each(|a| r[c * j + a] = residual.component(a));
         }
         let e = self.fine.system().factor.solve(&r);
-        let mut elsewhere = 0.0f64;
+        let (mut worst, mut elsewhere) = (Largest::default(), Largest::default());
+        e.iter().for_each(|v| worst.see(v.abs()));
         for residual in parallel::map(probes.len(), |i| self.fine.residual(probes[i])) {
-            let residual = residual?.magnitude();
-            elsewhere = if residual.is_nan() { f64::INFINITY } else { elsewhere.max(residual) };
+            elsewhere.see(residual?.magnitude());
         }
-        Ok(SAFETY * (e.iter().fold(0.0f64, |m, v| if v.is_nan() { f64::NAN } else { m.max(v.abs()) }) + elsewhere))
-    }
-
-    /// Whether rows are integrated towards the diagonal where y lies: what they do there is not the rule's to resolve.
-    fn is_near(&self, target: Option<&Target<'_, K>>, y: &K::Point) -> bool {
-        let (Some(target), Some(panels)) = (target, self.grid().panels()) else { return false };
-        target.is_near(panels.panel(panels.at(self.equation.kernel().domain().coordinate(y, 0))))
+        Ok(SAFETY * (worst.0 + elsewhere.0))
     }
 
     /// ∫ |δ| over places that no rule has as nodes, times what T and (I − T)⁻¹ make of it; δ is what f and the rows of K are beside the polynomials through
     /// their values at the nodes.
     fn unseen(&self, probes: &[K::Point], allowed: f64) -> Result<f64, Error> {
-        let (kernel, domain, c) = (self.equation.kernel(), self.equation.kernel().domain(), components::<K>());
-        let scan = Scan::of(domain);
-        let along_line = domain.dimension() == 1;
-        let more =
-            (0..if along_line { ROWS } else { 0 }).map(|i| scan.places[(i * scan.places.len() + scan.places.len() / 2) / ROWS].point);
+        let (domain, c) = (self.equation.kernel().domain(), components::<K>());
+        let scan = Scan::of(domain, self.grid());
+        let more = if domain.dimension() == 1 { ROWS } else { 0 };
+        let more = (0..more).map(|i| scan.places[(i * scan.places.len() + scan.places.len() / 2) / ROWS].point);
         let rows: Vec<K::Point> = probes.iter().copied().chain(more).collect();
-        let found = parallel::map(rows.len() * c * c, |i| {
-            let (x, e) = (&rows[i / (c * c)], i % (c * c));
-            let target = along_line.then(|| Target::new(kernel, x));
-            let k = |y: &K::Point| kernel.eval(x, y).entry(e / c, e % c);
-            let far = |y: &K::Point| !self.is_near(target.as_ref(), y);
-            let size = scan.places.iter().filter(|n| far(&n.point)).fold(0.0f64, |m, n| m.max(k(&n.point).abs()));
-            let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| if far(&n.point) { k(&n.point) } else { 0.0 }).collect();
-            let mass: f64 = scan.places.iter().map(|n| n.weight * k(&n.point).abs()).filter(|k| k.is_finite()).sum();
-            let (gap, worst) = scan.gap(self.grid(), domain, |j| at_nodes[j], |y| Some(k(y)).filter(|_| far(y)));
-            (size, mass, if worst > FEATURE * size { gap } else { 0.0 })
-        });
-        let largest = found.iter().fold(0.0f64, |m, (size, ..)| m.max(*size));
-        let mass = found.iter().fold(0.0f64, |m, (_, mass, _)| m.max(*mass));
-        let row = found.iter().fold(0.0f64, |m, (.., gap)| if gap.is_nan() { f64::NAN } else { m.max(*gap) });
+        let found = parallel::map(rows.len() * c * c, |i| self.row(&scan, &rows[i / (c * c)], i % (c * c)));
+        let (mut largest, mut mass, mut row) = (Largest::default(), Largest::default(), Largest::default());
+        for Row { size, mass: m, gap } in found {
+            largest.see(size);
+            mass.see(m);
+            row.see(gap);
+        }
+        let (largest, mass, row) = (largest.0, mass.0, row.0);
         // |Tδ| ≤ sup|K| ∫|δ| and ≤ ‖T‖ sup|δ|: the second where the domain is infinite
-        let image = |(gap, worst): (f64, f64)| if gap.is_nan() { f64::NAN } else { (largest * gap).min(mass * worst) };
-        let mut unseen = self.fine.magnitude() * row;
+        let image = |(gap, worst): (f64, f64)| (largest * gap).min(mass * worst);
+        let mut unseen = Largest(self.fine.magnitude() * row);
         for a in 0..c {
             let g = |x: &K::Point| self.equation.source().eval(x).component(a);
-            let nodes = &self.grid().nodes;
-            let of_g = scan.gap(self.grid(), domain, |j| g(&nodes[j].point), |x| Some(g(x)));
+            let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| g(&n.point)).collect();
+            let of_g = scan.gap(self.grid(), domain, &at_nodes, |i| Some(g(&scan.places[i].point)));
             // a singularity of g that T f takes away is none of f: ask f, which costs more
             if !(image(of_g) * self.fine.inverse_norm() <= 0.1 * allowed) {
                 let values = parallel::map(scan.places.len(), |i| self.fine.try_eval(&scan.places[i].point).map(|v| v.component(a)));
                 let values = values.into_iter().collect::<Result<Vec<_>, _>>()?;
-                let of_f = scan.gap_of(self.grid(), domain, |j| self.fine.values()[j].component(a), |i| Some(values[i]));
-                unseen = if image(of_f).is_nan() { f64::NAN } else { unseen.max(image(of_f)) };
+                let at_nodes: Vec<f64> = self.fine.values().iter().map(|f| f.component(a)).collect();
+                unseen.see(image(scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i]))));
             }
         }
-        Ok(self.fine.inverse_norm() * unseen)
+        Ok(self.fine.inverse_norm() * unseen.0)
     }
+
+    /// Entry `e` of the row of K at x over the scan. Where rows are integrated towards the diagonal, what they do is not the rule's to resolve.
+    fn row(&self, scan: &Scan<K::Point>, x: &K::Point, e: usize) -> Row {
+        let (kernel, domain, c) = (self.equation.kernel(), self.equation.kernel().domain(), components::<K>());
+        let near: Vec<bool> = self.grid().panels().map_or_else(Vec::new, |panels| {
+            let target = Target::new(kernel, x);
+            (0..panels.count()).map(|p| target.is_near(panels.panel(p))).collect()
+        });
+        let far = |y: &K::Point| self.grid().panels().is_none_or(|panels| !near[panels.at(domain.coordinate(y, 0))]);
+        let k = |y: &K::Point| kernel.eval(x, y).entry(e / c, e % c);
+        let values: Vec<(f64, bool)> = scan.places.iter().map(|n| (k(&n.point), far(&n.point))).collect();
+        let size = values.iter().filter(|(_, far)| *far).fold(0.0f64, |m, (k, _)| m.max(k.abs()));
+        let mass = scan.places.iter().zip(&values).map(|(n, (k, _))| n.weight * k.abs()).filter(|k| k.is_finite()).sum();
+        let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| if far(&n.point) { k(&n.point) } else { 0.0 }).collect();
+        let (gap, worst) = scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i].0).filter(|_| values[i].1));
+        Row { size, mass, gap: if worst > FEATURE * size { gap } else { 0.0 } }
+    }
+}
+
+/// One row of K over the scan.
+struct Row {
+    /// largest |K| where the row is far from the diagonal
+    size: f64,
+    /// ∫ |K|
+    mass: f64,
+    /// ∫ |K − interpolant|, if it is more than interpolation
+    gap: f64,
 }
 
 /// Places of a jittered lattice, each with its share of the measure.
 struct Scan<X> {
     places: Vec<Node<X>>,
+    /// of every place, on a line; made anew for every row elsewhere, where they are long
+    stencils: Vec<Option<Stencil>>,
 }
 
 impl<X: Point> Scan<X> {
-    fn of<D: Domain<Point = X>>(domain: &D) -> Self {
+    fn of<D: Domain<Point = X>>(domain: &D, grid: &Grid<X>) -> Self {
         let d = domain.dimension();
         let side = [SCANNED, 64, 16, 8].get(d - 1).copied().unwrap_or(4);
         let count = side.pow(d as u32);
@@ -219,35 +245,29 @@ impl<X: Point> Scan<X> {
             });
             Node { point: n.point, weight: n.weight / count as f64 }
         };
-        Scan { places: (0..domain.states()).flat_map(|s| (0..count).map(move |i| (s, i))).map(|(s, i)| place(s, i)).collect() }
+        let places: Vec<_> = (0..domain.states()).flat_map(|s| (0..count).map(move |i| (s, i))).map(|(s, i)| place(s, i)).collect();
+        let stencils = if d == 1 { places.iter().map(|n| grid.stencil(domain, &n.point)).collect() } else { Vec::new() };
+        Scan { places, stencils }
     }
 
     /// ∫ |φ − interpolant| over the places where φ is given, and the largest |φ − interpolant|.
-    fn gap<D: Domain<Point = X>>(
-        &self,
-        grid: &Grid<X>,
-        domain: &D,
-        nodes: impl Fn(usize) -> f64,
-        phi: impl Fn(&X) -> Option<f64>,
-    ) -> (f64, f64) {
-        self.gap_of(grid, domain, nodes, |i| phi(&self.places[i].point))
-    }
-
-    fn gap_of<D: Domain<Point = X>>(
-        &self,
-        grid: &Grid<X>,
-        domain: &D,
-        nodes: impl Fn(usize) -> f64,
-        phi: impl Fn(usize) -> Option<f64>,
-    ) -> (f64, f64) {
-        let (mut sum, mut largest) = (0.0, 0.0f64);
+    fn gap<D: Domain<Point = X>>(&self, grid: &Grid<X>, domain: &D, nodes: &[f64], phi: impl Fn(usize) -> Option<f64>) -> (f64, f64) {
+        let (mut sum, mut largest) = (Largest::default(), Largest::default());
         for (i, n) in self.places.iter().enumerate() {
             let Some(value) = phi(i) else { continue };
-            let Some(interpolated) = grid.interpolate(domain, &n.point, &nodes) else { continue };
-            let gap = (value - interpolated).abs();
-            largest = if gap.is_nan() { f64::INFINITY } else { largest.max(gap) };
-            sum += n.weight * gap;
+            let made;
+            let stencil = match self.stencils.get(i) {
+                Some(stencil) => stencil,
+                None => {
+                    made = grid.stencil(domain, &n.point);
+                    &made
+                }
+            };
+            let Some(stencil) = stencil else { continue };
+            let gap = (value - stencil.apply(|j| nodes[j])).abs();
+            largest.see(gap);
+            sum.see(sum.0 + n.weight * gap);
         }
-        (sum, largest)
+        (sum.0, largest.0)
     }
 }
