@@ -28,6 +28,7 @@ pub mod quadrature;
 mod refine;
 mod solution;
 mod spectrum;
+mod split;
 mod variance;
 mod verify;
 

@@ -16,9 +16,10 @@
 //! ```
 
 use super::basis::Basis;
+use super::split::SplitRule;
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::kernel::{HasDomain, Kernel};
+use crate::kernel::{HasDomain, Kernel, Singularity};
 use crate::value::{Value, Weight};
 
 /// Components of the values that a kernel acts on.
@@ -42,6 +43,8 @@ pub(crate) struct Target<'a, K: HasDomain> {
     t: f64,
     /// smallest distance at which y − x keeps 16 bits
     resolved: f64,
+    /// a declared singularity, and |x − y| for a unit of distance
+    split: Option<(Singularity, f64)>,
 }
 
 /// Relative precision of distances: 16 bits. What the weights do not correct is its square.
@@ -85,11 +88,14 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
             !inside(t + d) || (apart(&domain.displaced(x, state, d).point) - d).abs() <= DISTANCE_BITS * d.abs()
         };
         let mut resolved = 0.125;
+        let exact = |d: f64| domain.difference(x, d).is_some_and(|apart| kernel.eval_at_difference(x, x, apart).is_some());
+        let kept = |d: f64| kept(d) || exact(d);
         // factors without a short binary expansion: an accidentally exact sum must not pass
         while resolved > FINEST && [0.685, -0.685, 0.597, -0.597].iter().all(|f| kept(f * resolved)) {
             resolved *= 0.5;
         }
-        Target { kernel, x, origin, t, resolved: 2.0 * resolved }
+        let split = domain.stretch().and_then(|stretch| Some((kernel.split(x, x, stretch)?.singularity, stretch)));
+        Target { kernel, x, origin, t, resolved: 2.0 * resolved, split }
     }
 
     /// A panel in coordinates from the origin: exact where they are close.
@@ -147,12 +153,13 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
     fn density(&self, state: usize, sign: f64, r: f64, out: &mut [f64]) -> Result<Option<f64>, Error> {
         let domain = self.kernel.domain();
         let y = domain.displaced(self.x, state, sign * r);
-        let distance = sign * domain.separation(self.x, &y.point);
+        let exact = domain.difference(self.x, sign * r).and_then(|apart| self.kernel.eval_at_difference(self.x, &y.point, apart));
+        let distance = if exact.is_some() { r } else { sign * domain.separation(self.x, &y.point) };
         if !(distance > 0.0) {
             out.fill(0.0);
             return Ok(None);
         }
-        let k = self.kernel.eval(self.x, &y.point);
+        let k = exact.unwrap_or_else(|| self.kernel.eval(self.x, &y.point));
         if !k.entries_finite() {
             return Err(Error::non_finite_kernel(self.x, &y.point, &k));
         }
@@ -191,6 +198,10 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         let mut outer = farthest;
         let mut halvings = 0;
         while outer > stop {
+            // what is left of the panel is small enough for its polynomials to be of low degree
+            if let (WIDE_PIECES, true, Some((singularity, stretch))) = (halvings, nearest < smallest, self.target.split) {
+                return self.split_piece(sign, outer, singularity, stretch);
+            }
             if SETTLED.contains(&halvings) && nearest < smallest && self.is_settled(sign, outer)? {
                 return self.innermost(sign, nearest, outer, outer);
             }
@@ -206,6 +217,34 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
             halvings += levels;
         }
         if nearest < smallest { self.innermost(sign, nearest, outer, smallest) } else { Ok(()) }
+    }
+
+    /// Distances from 0 to `outer` by the rule of a declared singularity.
+    fn split_piece(&mut self, sign: f64, outer: f64, singularity: Singularity, stretch: f64) -> Result<(), Error> {
+        let (target, (a, b), c) = (self.target, self.panel, components::<K>());
+        let split = SplitRule::new(singularity, self.rule);
+        let mut moments = vec![0.0; self.basis.len() * c * c];
+        for (k, n) in self.rule.rule().iter().enumerate() {
+            let r = outer * n.point;
+            let y = target.kernel.domain().displaced(target.x, self.state, sign * r);
+            let Some(parts) = target.kernel.split(target.x, &y.point, -sign * r * stretch) else {
+                return Err(Error::invalid("split", r, "must be declared everywhere or nowhere"));
+            };
+            for part in [parts.factor, parts.rest] {
+                if !part.entries_finite() {
+                    return Err(Error::non_finite_kernel(target.x, &y.point, &part));
+                }
+            }
+            let singular = split.weight(self.rule, k, outer * stretch);
+            self.basis.values((target.t + sign * r - a) / (b - a), &mut self.values);
+            for (out, l) in moments.chunks_exact_mut(c * c).zip(&self.values) {
+                let entry = |e: usize| singular * parts.factor.entry(e / c, e % c) + n.weight * parts.rest.entry(e / c, e % c);
+                out.iter_mut().enumerate().for_each(|(e, o)| *o += outer * y.weight * l * entry(e));
+            }
+        }
+        self.evaluations += self.rule.len() as u64;
+        self.out.iter_mut().zip(&moments).for_each(|(o, m)| *o += m);
+        Ok(())
     }
 
     /// Evaluates K on the nodes of the piece at distances [inner, outer].

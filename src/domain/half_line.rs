@@ -98,6 +98,11 @@ impl Domain for HalfLine {
         Node { point: y, weight: self.scale / (rest * rest) }
     }
 
+    fn difference(&self, x: &f64, d: f64) -> Option<f64> {
+        let far = self.scale + (x - self.start);
+        Some(-far * (d / (self.scale / far - d)))
+    }
+
     fn separation(&self, x: &f64, y: &f64) -> f64 {
         let denominator = |x: f64| self.scale + (x - self.start);
         // two quotients: the product of far denominators could overflow

@@ -113,4 +113,12 @@ impl Domain for Interval {
     fn separation(&self, x: &f64, y: &f64) -> f64 {
         (y - x) / self.length()
     }
+
+    fn difference(&self, _: &f64, d: f64) -> Option<f64> {
+        Some(-d * self.length())
+    }
+
+    fn stretch(&self) -> Option<f64> {
+        Some(self.length())
+    }
 }

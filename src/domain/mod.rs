@@ -80,6 +80,17 @@ pub trait Domain: Clone + Debug + Send + Sync + 'static {
         self.coordinate(y, 0) - self.coordinate(x, 0)
     }
 
+    /// x − y for the y at coordinate distance d from x, before y is rounded; `None` where points are no real numbers.
+    fn difference(&self, x: &Self::Point, d: f64) -> Option<f64> {
+        let _ = (x, d);
+        None
+    }
+
+    /// x − y for a y at coordinate distance 1, where x − y is proportional to the distance.
+    fn stretch(&self) -> Option<f64> {
+        None
+    }
+
     /// The coordinate of the real number x on a one-dimensional domain; `None` if x is outside, or the domain is not a part of the real line.
     fn locate(&self, x: f64) -> Option<f64> {
         let _ = x;

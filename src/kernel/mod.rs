@@ -17,12 +17,14 @@
 //! [`check`](crate::check) tests each law on a kernel of your own.
 
 mod closure;
+mod difference;
 mod proposal;
 mod series;
 mod step;
 mod tabulated;
 
 pub use closure::{KernelFn, kernel_fn};
+pub use difference::{DifferenceFn, Singularity, Split, SplitFn, difference_fn, split_fn};
 pub use proposal::{Proposal, Proposed, Uniform};
 pub use series::{Discretised, Radius, Series};
 pub(crate) use series::{gelfand, series_of};
@@ -66,6 +68,18 @@ pub trait Operator: Send + Sync {
 pub trait Kernel: Operator {
     /// K(x, y). May be infinite at isolated points (x = y), where no method may evaluate it.
     fn eval(&self, x: &Self::Point, y: &Self::Point) -> Self::Weight;
+
+    /// K where x − y is known to more digits than x and y leave of it; `None` from kernels that make no use of it. Law: close to `eval(x, y)`.
+    fn eval_at_difference(&self, x: &Self::Point, y: &Self::Point, difference: f64) -> Option<Self::Weight> {
+        let _ = (x, y, difference);
+        None
+    }
+
+    /// K = factor · S(x − y) + rest, for kernels that declare it, with factor and rest smooth on each side of x = y. Law: close to `eval(x, y)`.
+    fn split(&self, x: &Self::Point, y: &Self::Point, difference: f64) -> Option<Split<Self::Weight>> {
+        let _ = (x, y, difference);
+        None
+    }
 }
 
 /// A kernel that can be walked.
@@ -144,6 +158,12 @@ impl<T: Kernel + ?Sized> Kernel for &T {
     #[inline]
     fn eval(&self, x: &Self::Point, y: &Self::Point) -> Self::Weight {
         (**self).eval(x, y)
+    }
+    fn eval_at_difference(&self, x: &Self::Point, y: &Self::Point, difference: f64) -> Option<Self::Weight> {
+        (**self).eval_at_difference(x, y, difference)
+    }
+    fn split(&self, x: &Self::Point, y: &Self::Point, difference: f64) -> Option<Split<Self::Weight>> {
+        (**self).split(x, y, difference)
     }
 }
 

@@ -4,7 +4,7 @@
 //! K(x, y) (Σ|T|ⁿ|g|)(y) ≠ 0; [`check::transition`](crate::check) looks for violations.
 
 use super::series::series_of;
-use super::{Absorbing, HasDomain, Kernel, Operator, Series, Step, Transition, TransitionPdf};
+use super::{Absorbing, HasDomain, Kernel, Operator, Series, Split, Step, Transition, TransitionPdf};
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
 use crate::sampling::Sampler;
@@ -102,6 +102,12 @@ impl<K: Kernel + HasDomain, P: Send + Sync> Kernel for Proposed<K, P> {
     #[inline]
     fn eval(&self, x: &K::Point, y: &K::Point) -> K::Weight {
         self.kernel.eval(x, y)
+    }
+    fn eval_at_difference(&self, x: &K::Point, y: &K::Point, difference: f64) -> Option<K::Weight> {
+        self.kernel.eval_at_difference(x, y, difference)
+    }
+    fn split(&self, x: &K::Point, y: &K::Point, difference: f64) -> Option<Split<K::Weight>> {
+        self.kernel.split(x, y, difference)
     }
 }
 

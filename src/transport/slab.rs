@@ -14,7 +14,9 @@
 use super::{BeamSource, ImplicitCapture, UniformSource};
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
-use crate::kernel::{Absorbing, HasDomain, Kernel, Operator, RowMass, Series, Step, Transition, TransitionPdf, series_of};
+use crate::kernel::{
+    Absorbing, HasDomain, Kernel, Operator, RowMass, Series, Singularity, Split, Step, Transition, TransitionPdf, series_of,
+};
 use crate::sampling::Sampler;
 use crate::source::{SourceFn, source_fn};
 use crate::special::{e1, e2};
@@ -144,6 +146,16 @@ impl Kernel for Slab {
     fn eval(&self, x: &f64, y: &f64) -> f64 {
         // 0 · E₁(0) would be NaN
         if self.ratio == 0.0 { 0.0 } else { 0.5 * self.ratio * e1((x - y).abs()) }
+    }
+
+    fn eval_at_difference(&self, _: &f64, _: &f64, difference: f64) -> Option<f64> {
+        Some(self.eval(&difference, &0.0))
+    }
+
+    /// E₁(r) = −ln r + (−γ + r − …).
+    fn split(&self, _: &f64, _: &f64, difference: f64) -> Option<Split<f64>> {
+        let (r, half) = (difference.abs(), 0.5 * self.ratio);
+        Some(Split { singularity: Singularity::Logarithm, factor: -half, rest: half * (e1(r) + r.ln()) })
     }
 }
 

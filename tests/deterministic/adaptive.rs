@@ -4,7 +4,7 @@ use crate::one;
 use crate::reference::{interval, record, scalar_values};
 use fredholm::deterministic::{Diagonal, Nystrom};
 use fredholm::domain::{Cuboid, Domain, HalfLine, Interval};
-use fredholm::kernel::kernel_fn;
+use fredholm::kernel::{Singularity, difference_fn, kernel_fn, split_fn};
 use fredholm::source::source_fn;
 use fredholm::special::{e1, e2};
 use fredholm::{Equation, Error};
@@ -232,4 +232,35 @@ fn no_value_at_the_diagonal_or_at_an_end_is_no_obstacle() {
     let eq = Equation::on_interval(0.0..=1.0, (|_| 1.0) as Plain, (|_, y| if y < 1.0 / 3.0 { 0.3 } else { 0.6 }) as Pair);
     let f = eq.solve(&Nystrom::adaptive().tolerance(1e-12).breakpoints(&[0.333_333_333_5])).unwrap();
     assert!((f.eval(0.5) - 2.0).abs() < 1e-12, "{}", f.eval(0.5));
+}
+
+#[test]
+fn exact_differences_and_declared_splits() {
+    // Kirkwood–Riseman, λ = 1, and the logarithm: problems §2 C1, C2
+    let domain = Interval::from(-1.0..=1.0);
+    let g = source_fn(domain, (|_| 1.0) as fn(&f64) -> f64);
+    let kirkwood = [(0.0, 0.190794157507565), (0.5, 0.200594600532248), (1.0, 0.357792765895745)];
+    let logarithm = [(0.0, 0.320082831282398), (1.0, 0.688794480082155)];
+    type Difference = fn(&f64, &f64, f64) -> f64;
+    type Factor = fn(&f64, &f64) -> f64;
+    let power = Singularity::Power { exponent: 0.5 };
+    for (by_difference, singularity, factor, known) in [
+        ((|_, _, d| -d.abs().powf(-0.5)) as Difference, power, (|_, _| -1.0) as Factor, &kirkwood[..]),
+        (|_, _, d| d.abs().ln(), Singularity::Logarithm, |_, _| 1.0, &logarithm[..]),
+    ] {
+        let method = Nystrom::adaptive().tolerance(1e-12);
+        let by_difference = Equation::new(g, difference_fn(domain, by_difference)).solve(&method).unwrap();
+        let rest: Factor = |_, _| 0.0;
+        let declared = Equation::new(g, split_fn(domain, singularity, factor, rest)).solve(&method).unwrap();
+        for &(x, value) in known {
+            assert!((by_difference.eval(x) - value).abs() < 2e-14, "{singularity:?} at {x}: {}", by_difference.eval(x));
+            assert!((declared.eval(x) - value).abs() < 2e-14, "{singularity:?} at {x}: {}", declared.eval(x));
+        }
+        assert!(declared.evaluations() < by_difference.evaluations());
+    }
+    for exponent in [1.0, 1.5, f64::NAN, f64::INFINITY] {
+        let kernel = split_fn(domain, Singularity::Power { exponent }, (|_, _| 1.0) as Factor, (|_, _| 0.0) as Factor);
+        let refused = Equation::new(g, kernel).solve(&Nystrom::adaptive()).unwrap_err();
+        assert!(matches!(refused, Error::Invalid { parameter: "exponent", .. }), "{refused}");
+    }
 }
