@@ -6,10 +6,16 @@
 //! Vertex n of a walk reads block n of its point, purpose by purpose ([`Purpose`]), so that what one decision consumes never shifts
 //! the dimensions of another (theory (4.14.1)).
 
+mod hash;
 mod pcg;
+mod sequence;
 mod table;
 
 pub use pcg::{Pcg, PcgSampler};
+pub use sequence::{
+    Coordinates, Halton, HaltonPoint, Hammersley, HammersleyPoint, LatinHypercube, Layout, PointSampler, Sobol, SobolPoint, Stratified,
+    StratifiedSampler, VanDerCorput, VanDerCorputPoint,
+};
 pub use table::Table;
 
 use std::fmt::Debug;

@@ -2,8 +2,9 @@
 //!
 //! O'Neill, *PCG: a family of simple fast space-efficient statistically good algorithms for random number generation* (2014); the 128-bit
 //! multiplicative member of `rand_pcg`. Streams with neighbouring numbers are correlated (see its documentation), so every walk starts
-//! from a *hashed* state instead (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014, §3: SplitMix64's mixer).
+//! from a *hashed* state instead.
 
+use super::hash::{GOLDEN, key, open_unit};
 use super::{Sampler, Sequence};
 use rand_core::Rng;
 use rand_pcg::Pcg64Mcg;
@@ -30,33 +31,17 @@ impl Pcg {
     }
 }
 
-impl Pcg {
-    fn key(&self, cell: u64, replicate: u32) -> u64 {
-        mix(mix(mix(self.seed.wrapping_add(GOLDEN)) ^ cell).wrapping_add(GOLDEN) ^ u64::from(replicate))
-    }
-}
-
-/// SplitMix64's mixer: a bijection of 64-bit words.
-#[inline]
-fn mix(z: u64) -> u64 {
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-
 impl Sequence for Pcg {
     type Sampler = PcgSampler;
 
     #[inline]
     fn point(&self, cell: u64, replicate: u32, index: u64) -> PcgSampler {
-        PcgSampler::start(self.key(cell, replicate), index)
+        PcgSampler::start(key(self.seed, cell, replicate), index)
     }
 
     #[inline]
     fn points(&self, cell: u64, replicate: u32, indices: Range<u64>) -> impl Iterator<Item = PcgSampler> {
-        let key = self.key(cell, replicate);
+        let key = key(self.seed, cell, replicate);
         indices.map(move |index| PcgSampler::start(key, index))
     }
 
@@ -84,25 +69,5 @@ impl Sampler for PcgSampler {
     #[inline]
     fn next_1d(&mut self) -> f64 {
         open_unit(self.0.next_u64())
-    }
-}
-
-/// (k + ½) 2⁻⁵² from the top 52 bits: exact, and never 0 or 1 (theory (6.1.4)).
-#[inline]
-pub(crate) fn open_unit(bits: u64) -> f64 {
-    const ONE: u64 = 0x3ff0_0000_0000_0000;
-    // [1, 2) − (1 − 2⁻⁵³): both the operand and the result are representable, so nothing rounds
-    f64::from_bits((bits >> 12) | ONE) - (1.0 - f64::EPSILON / 2.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn uniforms_stay_strictly_inside_the_unit_interval() {
-        assert_eq!(open_unit(0), 2f64.powi(-53));
-        assert_eq!(open_unit(u64::MAX), 1.0 - 2f64.powi(-53));
-        assert_eq!(open_unit(1 << 63), 0.5 + 2f64.powi(-53));
     }
 }
