@@ -6,6 +6,7 @@
 //! Vertex n of a walk reads block n of its point, purpose by purpose ([`Purpose`]), so that what one decision consumes never shifts
 //! the dimensions of another (theory (4.14.1)).
 
+pub mod distribution;
 mod hash;
 mod pcg;
 mod sequence;

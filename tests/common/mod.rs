@@ -28,6 +28,14 @@ const REGISTERED: &[(&str, u32)] = &[
     ("statistics::p-values", 6),
     ("errata::mutants", 15),
     ("errata::chains", 20),
+    ("sampling::uniform", 28),
+    ("sampling::pairs", 20),
+    ("sampling::independent", 21),
+    ("sampling::walks", 42),
+    ("sampling::lines", 11),
+    ("sampling::planes", 12),
+    ("sampling::indices", 2),
+    ("sampling::coverage", 14),
 ];
 
 /// The share of one test.

@@ -57,22 +57,24 @@ macro_rules! common_settings {
             /// Independent randomisations, from which the error comes (theory (4.14.4)); 16 by default. With one there is no error; more than one
             /// scramble points that were [`unscrambled`](Self::unscrambled).
             #[must_use]
-            pub fn replicates(self, replicates: u32) -> Self {
-                Self { settings: self.settings.with_replicates(replicates), ..self }
+            pub fn replicates(mut self, replicates: u32) -> Self {
+                self.settings = self.settings.with_replicates(replicates);
+                self
             }
 
             /// The points of the textbook, without randomisation: one replicate, hence an estimate without an error. Coordinates beyond its own
             /// are drawn independently. Another seed scrambles again.
             #[must_use]
-            pub fn unscrambled(self) -> Self {
-                Self { settings: self.settings.unscrambled(), ..self }
+            pub fn unscrambled(mut self) -> Self {
+                self.settings = self.settings.unscrambled();
+                self
             }
 
             /// Which coordinates walks read for what.
             #[must_use]
-            pub fn layout(self, layout: crate::sampling::Layout) -> Self {
-                let settings = crate::sampling::sequence::settings::Settings { layout, ..self.settings };
-                Self { settings, ..self }
+            pub fn layout(mut self, layout: crate::sampling::Layout) -> Self {
+                self.settings.layout = layout;
+                self
             }
         }
     };

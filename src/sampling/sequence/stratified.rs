@@ -11,7 +11,7 @@
 use super::cursor::block;
 use super::permutation::permuted;
 use crate::error::Error;
-use crate::sampling::hash::{self, midpoint, open_unit, word};
+use crate::sampling::hash::{self, midpoint, mix, open_unit, word};
 use crate::sampling::{Purpose, Sampler, Sequence};
 use std::ops::Range;
 
@@ -181,14 +181,14 @@ impl Sampler for StratifiedSampler {
         let jitter = open_unit(word(word(self.point, self.group), u64::from(self.axis)));
         (self.cell, self.axis) = (rest, self.axis + 1);
         if self.axis == axes {
-            (self.group, self.axis) = (self.group + 1, 0);
+            (self.group, self.axis) = (self.group.wrapping_add(1), 0);
         }
         midpoint((stratum as f64 + jitter) / strata as f64)
     }
 
     #[inline]
     fn seek(&mut self, vertex: u64, purpose: Purpose) {
-        // a loop that reads more groups than this would repeat those of the next purpose: 2³² of them
-        (self.group, self.axis) = (block(vertex, purpose) << 32, 0);
+        // hashed: however many groups a purpose reads, they are not those of the next
+        (self.group, self.axis) = (mix(block(vertex, purpose)), 0);
     }
 }

@@ -1,0 +1,11 @@
+//! Sequences, distributions, discrepancy.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod any;
+mod distributions;
+mod rates;
+mod scrambling;
+mod sequences;
+mod walks;
