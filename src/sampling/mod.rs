@@ -6,12 +6,14 @@
 //! Vertex n of a walk reads block n of its point, purpose by purpose ([`Purpose`]), so that what one decision consumes never shifts
 //! the dimensions of another (theory (4.14.1)).
 
+mod discrepancy;
 pub mod distribution;
 mod hash;
 mod pcg;
 mod sequence;
 mod table;
 
+pub use discrepancy::{Bounds, PointSet};
 pub use pcg::{Pcg, PcgSampler};
 pub use sequence::{
     Coordinates, Halton, HaltonPoint, Hammersley, HammersleyPoint, LatinHypercube, Layout, PointSampler, Sobol, SobolPoint, Stratified,

@@ -4,6 +4,7 @@
 mod common;
 
 mod any;
+mod discrepancies;
 mod distributions;
 mod rates;
 mod scrambling;
