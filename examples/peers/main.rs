@@ -7,6 +7,7 @@
 //! target/release/examples/peers slab 200000 7 1              analog histories, c = 0.9, a = 10, 100 flux bins, 50 batches
 //! target/release/examples/peers determ b0.1                  Love's equation, d = 0.1, by several deterministic methods
 //! target/release/examples/peers lu 1000 2000                 a dense system: assembly, factorisation, condition number, solution
+//! target/release/examples/peers rng 20000000                 uniforms, Sobol' and other points by the number
 //! ```
 //!
 //! Prints one comma-separated line a run: name, fredholm, variant, threads, samples, best and median seconds, rates, results; `determ`:
@@ -16,6 +17,7 @@
 
 mod determ;
 mod linalg;
+mod rng;
 mod slab;
 mod toy;
 
@@ -41,7 +43,7 @@ pub(crate) fn timed<T>(repetitions: usize, mut run: impl FnMut() -> Result<T, Er
 }
 
 const USAGE: &str = "usage: peers toy A|B pcg64 WALKS REPETITIONS THREADS | peers slab HISTORIES REPETITIONS THREADS | peers determ KEY | \
-                     peers lu|matvec|assemble N…";
+                     peers lu|matvec|assemble N… | peers rng COUNT";
 
 fn count<T: std::str::FromStr + PartialOrd + From<u8>>(argument: &str) -> Result<T, String> {
     argument.parse().ok().filter(|n| *n >= T::from(1)).ok_or(format!("'{argument}' is not a positive whole number\n{USAGE}"))
@@ -68,7 +70,8 @@ fn answer(arguments: &[&str]) -> Result<(), String> {
             let sizes = sizes.iter().map(|n| count(n)).collect::<Result<Vec<usize>, _>>()?;
             linalg::linalg(command, &sizes).map_err(|e| e.to_string())
         }
-        [command @ ("rng" | "render" | "rays"), ..] => Err(format!("'{command}' is not there yet")),
+        ["rng", numbers] => rng::rng(count(numbers)?).map_err(|e| e.to_string()),
+        [command @ ("render" | "rays"), ..] => Err(format!("'{command}' is not there yet")),
         _ => Err(USAGE.to_string()),
     }
 }

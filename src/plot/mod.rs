@@ -5,6 +5,7 @@
 //! | [`Convergence`] | error against walks or against time, log-log, with the slope −1/2 of Monte Carlo |
 //! | [`Profile`] | estimates with error bars over curves, and their deviations in standard errors |
 //! | [`Comparison`] | one number a method as horizontal bars on a log scale, such as efficiency |
+//! | [`Scatter`] | point sets in the unit square, side by side |
 //!
 //! ```
 //! # fn main() -> Result<(), fredholm::Error> {
@@ -29,11 +30,13 @@ mod convergence;
 mod drawing;
 mod panel;
 mod profile;
+mod scatter;
 mod style;
 
 pub use comparison::Comparison;
 pub use convergence::Convergence;
 pub use profile::Profile;
+pub use scatter::Scatter;
 
 use crate::error::Error;
 
