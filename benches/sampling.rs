@@ -1,7 +1,8 @@
 //! Nanoseconds a coordinate: every sequence beside the bare generator, on one thread.
 //!
-//! `cargo bench --bench sampling`: the throughput is in coordinates. «walk order» reads 32 coordinates of one point after the other, as a walk does. The laws:
-//! a PCG uniform within 10 % of the bare generator, a Sobol' coordinate at most 5 PCG ones. `examples/peers rng` times the same beside other programs.
+//! `cargo bench --bench sampling`: the throughput is in coordinates. «walk order» reads 32 coordinates of one point after the other, as a
+//! walk does. The laws: a PCG uniform within 10 % of the bare generator, a Sobol' coordinate at most 5 PCG ones. `examples/peers rng` times
+//! the same beside other programs.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fredholm::sampling::{Halton, Hammersley, LatinHypercube, Pcg, Sampler, Sequence, Sobol, Stratified, VanDerCorput};

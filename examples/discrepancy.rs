@@ -1,7 +1,7 @@
 //! Star discrepancy against the number of points, with slopes, and what it is for: the bound of Koksma and Hlawka.
 //!
-//! Equation: D*(P) = sup |#{x ∈ P: x < y}/n − y₁y₂|, and |Σ f/n − ∫f| ≤ V(f) D* with f = x₁x₂, ∫f = ¼, V = 3. Answer: D* falls as n^(−1/2) for random points,
-//! n^(−3/4) for jittered ones, and almost as 1/n for Halton, Hammersley and Sobol' points.
+//! Equation: D*(P) = sup |#{x ∈ P: x < y}/n − y₁y₂|, and |Σ f/n − ∫f| ≤ V(f) D* with f = x₁x₂, ∫f = ¼, V = 3. Answer: D* falls as n^(−1/2)
+//! for random points, n^(−3/4) for jittered ones, and almost as 1/n for Halton, Hammersley and Sobol' points.
 //!
 //! `cargo run --release --example discrepancy -- [--points 4096] [--seeds 5]`
 #![allow(clippy::print_stdout)]

@@ -1,8 +1,8 @@
 //! What low discrepancy looks like: the first two coordinates of every sequence, and two coordinates far out, where sequences are worst.
 //!
-//! Equation: none; n points of the unit square, in a grid of √n × √n cells. Answer: random points leave cells empty and crowd in others; jittered points have
-//! one in each cell, Latin hypercubes one in each row and column, Sobol' points both and more; Halton's coordinates 30 and 31 are useless
-//! until they are scrambled.
+//! Equation: none; n points of the unit square, in a grid of √n × √n cells. Answer: random points leave cells empty and crowd in others;
+//! jittered points have one in each cell, Latin hypercubes one in each row and column, Sobol' points both and more; Halton's coordinates 30
+//! and 31 are useless until they are scrambled.
 //!
 //! `cargo run --release --example point_sets -- [--points 256]`
 #![allow(clippy::print_stdout)]

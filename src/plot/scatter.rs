@@ -63,8 +63,8 @@ impl Scatter {
     /// Writes the picture; the extension `.svg` or `.png` chooses the format, missing folders are made.
     ///
     /// # Errors
-    /// [`Error::Unplottable`] for a point outside the unit square; [`Error::Invalid`] if there are no squares, or none in a row; [`Error::Io`] with
-    /// the path.
+    /// [`Error::Unplottable`] for a point outside the unit square; [`Error::Invalid`] if there are no squares, or none in a row;
+    /// [`Error::Io`] with the path.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         self.draw()?.save(path.as_ref())
     }
@@ -125,5 +125,20 @@ impl Scatter {
         let look = look(0);
         points.iter().for_each(|[x, y]| drawing.marker(look.marker, place(*x, *y), radius, look.colour));
         drawing.text(label, (left, top - 0.5 * TEXT), TEXT, Align::Left);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_outside_and_pictures_of_nothing_are_refused() {
+        let refusal = Scatter::new("t").square("a", [[0.5, 0.5], [0.5, 1.5]]).to_svg().unwrap_err();
+        assert!(matches!(refusal, Error::Unplottable { value, .. } if value == 1.5), "{refusal}");
+        assert!(Scatter::new("t").to_svg().is_err());
+        assert!(Scatter::new("t").square("a", [[0.5, 0.5]]).columns(0).to_svg().is_err());
+        let two = Scatter::new("t").square("first", [[0.0, 1.0]]).square("second", []).to_svg().unwrap();
+        assert!(two.contains("first") && two.contains("second"));
     }
 }

@@ -23,7 +23,8 @@ pub(crate) fn word(key: u64, n: u64) -> u64 {
     mix(key.wrapping_add(n.wrapping_add(1).wrapping_mul(GOLDEN)))
 }
 
-/// Word number `n` of the stream with a key that is itself a hash, by one wide multiplication (Wang Yi, wyrand, 2019): half the price of [`word`].
+/// Word number `n` of the stream with a key that is itself a hash, by one wide multiplication (Wang Yi, wyrand, 2019): half the price of
+/// [`word`].
 #[inline]
 pub(crate) fn folded(key: u64, n: u64) -> u64 {
     let x = key.wrapping_add(n.wrapping_add(1).wrapping_mul(GOLDEN));
@@ -45,8 +46,8 @@ pub(crate) fn open_unit(bits: u64) -> f64 {
     f64::from_bits((bits >> 12) | ONE) - (1.0 - f64::EPSILON / 2.0)
 }
 
-/// The midpoint (k + ½) 2⁻⁵² of the cell of width 2⁻⁵² that holds x ∈ [0, 1]: strictly inside, like every number of the crate. An x that was rounded
-/// up to 1 belongs to the last cell.
+/// The midpoint (k + ½) 2⁻⁵² of the cell of width 2⁻⁵² that holds x ∈ [0, 1]: strictly inside, like every number of the crate. An x that
+/// was rounded up to 1 belongs to the last cell.
 #[inline]
 pub(crate) fn midpoint(x: f64) -> f64 {
     const CELLS: f64 = (1u64 << 52) as f64;

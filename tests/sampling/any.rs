@@ -41,6 +41,11 @@ macro_rules! any {
                 };
                 all.into_iter()
             }
+            fn fill(&self, cell: u64, replicate: u32, indices: std::ops::Range<u64>, out: &mut [f64]) {
+                match self {
+                    $(Any::$kind(s) => s.fill(cell, replicate, indices, out)),*
+                }
+            }
             fn with_seed(self, seed: u64) -> Self {
                 match self {
                     $(Any::$kind(s) => Any::$kind(s.with_seed(seed))),*

@@ -57,7 +57,8 @@ fn square_means_are_those_of_scipy() {
     }
 }
 
-/// In one dimension: 1/(2n) for midpoints, at least that for all; in two: no pair of points is better than 0.3660 (White 1977), and some come near.
+/// In one dimension: 1/(2n) for midpoints, at least that for all; in two: no pair of points is better than 0.3660 (White 1977), and some
+/// come near.
 #[test]
 fn published_optima() {
     let midpoints: Vec<Vec<f64>> = (0..50).map(|i| vec![(f64::from(i) + 0.5) / 50.0]).collect();

@@ -24,8 +24,9 @@ fn holds(range: [f64; 2], value: f64) -> bool {
     range[0] <= value && value <= range[1] && range[1] - range[0] < 0.8
 }
 
-/// −1/2 for independent points; −1/2 − 1/d for jittered ones; near −1 or steeper for Halton and Hammersley; −3/2 for scrambled van der Corput and
-/// Sobol' points (up to logarithms), ≤ −1.4; −1/2 for Latin hypercubes in several variables, with a constant smaller by the additive part.
+/// −1/2 for independent points; −1/2 − 1/d for jittered ones; near −1 or steeper for Halton and Hammersley; −3/2 for scrambled van der
+/// Corput and Sobol' points (up to logarithms), ≤ −1.4; −1/2 for Latin hypercubes in several variables, with a constant smaller by the
+/// additive part.
 #[test]
 fn slopes_are_those_of_the_theory() {
     let pcg = slope(4..=11, 2, |_| Any::Pcg(Pcg::new(0)));

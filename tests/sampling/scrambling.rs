@@ -1,4 +1,5 @@
-//! The law of the randomisations: every coordinate uniform, pairs of points as Owen's nested uniform scrambling has them, coordinates independent.
+//! The law of the randomisations: every coordinate uniform, pairs of points as Owen's nested uniform scrambling has them, coordinates
+//! independent.
 
 use crate::any::randomised;
 use crate::common::{Budget, all_pass};
@@ -30,8 +31,8 @@ fn every_number_is_uniform() {
     all_pass(results);
 }
 
-/// Two points in one coordinate, in cells of width b⁻²: as nested uniform scrambling has it, they share the digits that they shared before, differ in
-/// the next, and are independent after.
+/// Two points in one coordinate, in cells of width b⁻²: as nested uniform scrambling has it, they share the digits that they shared before,
+/// differ in the next, and are independent after.
 #[test]
 fn pairs_follow_the_law_of_nested_scrambling() {
     let mut budget = Budget::of("sampling::pairs");

@@ -98,8 +98,8 @@ fn splits(k: u32, d: usize) -> Vec<Vec<u32>> {
     (0..=k).flat_map(|first| splits(k - first, d - 1).into_iter().map(move |rest| [vec![first], rest].concat())).collect()
 }
 
-/// Every elementary interval of volume 2^{t−m} holds 2^t points of every aligned block of 2^m: t = 0 for two coordinates, Σ(degree − 1) for more;
-/// scrambling keeps it, digit by digit. 1-D: every one of the 1111 coordinates is a (0, 1)-sequence.
+/// Every elementary interval of volume 2^{t−m} holds 2^t points of every aligned block of 2^m: t = 0 for two coordinates, Σ(degree − 1) for
+/// more; scrambling keeps it, digit by digit. 1-D: every one of the 1111 coordinates is a (0, 1)-sequence.
 #[test]
 fn sobol_blocks_are_nets() {
     let plain = Sobol::new(0).unscrambled();
@@ -171,8 +171,8 @@ fn strata_hold_one_point_each() {
 
 const PURPOSES: [Purpose; 4] = [Purpose::Start, Purpose::Survival, Purpose::Move, Purpose::Event];
 
-/// Wherever a cursor has been before, what it reads at a vertex for a purpose is the same, also beyond its coordinates and beyond the table;
-/// `points` gives what `point` gives; no number is ever read twice.
+/// Wherever a cursor has been before, what it reads at a vertex for a purpose is the same, also beyond its coordinates and beyond the
+/// table; `points` gives what `point` gives; no number is ever read twice.
 #[test]
 fn cursors_find_their_place_again() {
     for (name, sequence) in randomised(5) {
@@ -193,6 +193,28 @@ fn cursors_find_their_place_again() {
             assert_eq!(distinct.len(), 7 * places.len(), "{name} repeats itself");
             assert_eq!(alone.iter().collect::<BTreeSet<_>>().len(), 40);
         }
+    }
+}
+
+/// Blocks hold what cursors read, whatever their size, and beyond the table.
+#[test]
+fn blocks_hold_what_cursors_read() {
+    for (name, sequence) in randomised(9) {
+        for (from, n, d) in [(0u64, 1usize, 1usize), (60, 9, 3), (3, 200, 2), ((1 << 40) - 5, 70, 7), (0, 2, 1200), (7, 0, 3)] {
+            let mut block = vec![0.0; n * d];
+            sequence.fill(3, 1, from..from + n as u64, &mut block);
+            let read: Vec<f64> = sequence.points(3, 1, from..from + n as u64).flat_map(|mut u| (0..d).map(move |_| u.next_1d())).collect();
+            assert_eq!(block, read, "{name}, {n} points of {d} coordinates from {from}");
+        }
+    }
+    for sobol in [Sobol::new(4), Sobol::new(4).unscrambled()] {
+        let mut block = [0.0; 3 * 77];
+        sobol.fill(0, 0, 100..177, &mut block);
+        let read: Vec<f64> = sobol.points(0, 0, 100..177).flat_map(|mut u| [u.next_1d(), u.next_1d(), u.next_1d()]).collect();
+        assert_eq!(block[..], read);
+        let mut last = [0.0; 4];
+        sobol.fill(0, 0, u64::MAX - 2..u64::MAX, &mut last);
+        assert_eq!(last[2], sobol.point(0, 0, u64::MAX - 1).next_1d());
     }
 }
 

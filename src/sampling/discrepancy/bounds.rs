@@ -6,9 +6,9 @@
 //! #{x < a} ≤ #{x < y} ≤ #{x < b},   so   |local discrepancy of y| ≤ max( vol b − #{x < a}/n,  #{x < b}/n − vol a )
 //! ```
 //!
-//! The cube is cut into brackets, the one of the largest bound first (branch and bound on the brackets of Thiémard, *An algorithm to compute bounds for the star
-//! discrepancy*, 2001). From below, boxes at their corners are drawn in or blown up to the nearest critical ones, and their local
-//! discrepancy taken.
+//! The cube is cut into brackets, the one of the largest bound first (branch and bound on the brackets of Thiémard, *An algorithm to
+//! compute bounds for the star discrepancy*, 2001). From below, boxes at their corners are drawn in or blown up to the nearest critical
+//! ones, and their local discrepancy taken.
 
 use super::PointSet;
 use crate::error::Error;

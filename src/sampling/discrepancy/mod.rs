@@ -18,7 +18,7 @@ mod star;
 pub use bounds::Bounds;
 
 use crate::error::Error;
-use crate::sampling::{Sampler, Sequence};
+use crate::sampling::Sequence;
 
 /// Points of the half-open unit cube [0, 1)^d.
 ///
@@ -55,8 +55,9 @@ impl PointSet {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn draw<Q: Sequence>(sequence: &Q, dimension: usize, points: u64) -> Result<Self, Error> {
-        let cursors = sequence.points(0, 0, 0..points);
-        Self::checked(dimension, cursors.flat_map(|mut u| (0..dimension).map(move |_| u.next_1d())).collect())
+        let mut coordinates = vec![0.0; points as usize * dimension];
+        sequence.fill(0, 0, 0..points, &mut coordinates);
+        Self::checked(dimension, coordinates)
     }
 
     fn checked(dimension: usize, coordinates: Vec<f64>) -> Result<Self, Error> {

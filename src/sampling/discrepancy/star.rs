@@ -1,7 +1,8 @@
 //! The star discrepancy, exactly.
 //!
-//! The supremum is one over finitely many boxes (Niederreiter 1972; the critical boxes of Doerr, Gnewuch, Wahlström, *Calculation of discrepancy measures and
-//! applications*, 2014): closed ones whose upper corner has coordinates of points, and open ones whose upper corner has coordinates of points or 1,
+//! The supremum is one over finitely many boxes (Niederreiter 1972; the critical boxes of Doerr, Gnewuch, Wahlström, *Calculation of
+//! discrepancy measures and applications*, 2014): closed ones whose upper corner has coordinates of points, and open ones whose upper
+//! corner has coordinates of points or 1,
 //!
 //! ```text
 //! D* = max( max_closed #{x ≤ y}/n − vol y,  max_open vol y − #{x < y}/n )
@@ -63,8 +64,8 @@ struct Search {
 }
 
 impl Search {
-    /// The largest local discrepancy over all sides from coordinate `k` on; `points` are those inside the sides chosen before, whose product is
-    /// `volume`.
+    /// The largest local discrepancy over all sides from coordinate `k` on; `points` are those inside the sides chosen before, whose
+    /// product is `volume`.
     fn from(&self, k: usize, points: &mut [&[f64]], volume: f64) -> f64 {
         points.sort_by(|a, b| a[k].total_cmp(&b[k]));
         if points.first().is_none_or(|p| k + 2 == p.len()) {
@@ -90,8 +91,8 @@ impl Search {
         best
     }
 
-    /// All lengths of side `k`, ascending, and how many of the sorted points are inside: those below for open boxes, and those at the end for
-    /// closed ones.
+    /// All lengths of side `k`, ascending, and how many of the sorted points are inside: those below for open boxes, and those at the end
+    /// for closed ones.
     fn sides(&self, k: usize, points: &[&[f64]], mut visit: impl FnMut(usize, f64)) {
         let mut first = 0;
         for run in points.chunk_by(|a, b| a[k] == b[k]) {

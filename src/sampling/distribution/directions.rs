@@ -163,15 +163,16 @@ impl Inverse for UniformCone {
     }
 }
 
-/// Henyey and Greenstein's phase function of asymmetry g (*Diffuse radiation in the galaxy*, 1941), the axis being the direction before the collision:
+/// Henyey and Greenstein's phase function of asymmetry g (*Diffuse radiation in the galaxy*, 1941), the axis being the direction before the
+/// collision:
 ///
 /// ```text
 /// p(cos θ) = (1 − g²)/(4π R³),   R² = 1 + g² − 2g cos θ = (1 − g)² + 2gw
 /// w = 2(1 − g)² (1 − u)(1 + gu)/(1 − g + 2gu)²,   u = (1 − g)(1 + cos θ)/(R (1 + g + R))
 /// ```
 ///
-/// Neither map divides by g or subtracts like numbers for g ≥ 0; g < 0 is the mirror image. So isotropic and nearly singular scattering are no special
-/// cases.
+/// Neither map divides by g or subtracts like numbers for g ≥ 0; g < 0 is the mirror image. So isotropic and nearly singular scattering are
+/// no special cases.
 ///
 /// ```
 /// use fredholm::sampling::distribution::{Distribution, HenyeyGreenstein};

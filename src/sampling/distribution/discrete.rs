@@ -66,8 +66,8 @@ impl Distribution for Discrete {
     }
 }
 
-/// Index i with probability ∝ `weights[i]`, in constant time (Walker, 1977; tables after Vose, *A linear algorithm for generating random numbers with a
-/// given distribution*, 1991). Not monotone in u: low discrepancy is lost, and there is no inverse.
+/// Index i with probability ∝ `weights[i]`, in constant time (Walker, 1977; tables after Vose, *A linear algorithm for generating random
+/// numbers with a given distribution*, 1991). Not monotone in u: low discrepancy is lost, and there is no inverse.
 ///
 /// ```
 /// use fredholm::sampling::distribution::{Alias, Distribution};

@@ -4,8 +4,8 @@ use super::{Distribution, Inverse};
 use crate::error::Error;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4};
 
-/// Uniform on the unit disk, by the concentric map: squares around the centre go to circles (Shirley, Chiu, *A low distortion map between disk and
-/// square*, 1997).
+/// Uniform on the unit disk, by the concentric map: squares around the centre go to circles (Shirley, Chiu, *A low distortion map between
+/// disk and square*, 1997).
 ///
 /// ```
 /// use fredholm::sampling::distribution::{Distribution, Inverse, UniformDisk};

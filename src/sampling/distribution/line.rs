@@ -21,8 +21,8 @@ impl Power {
     /// The exponent n.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for n below −0.94 (the density is integrable above −1, but closer to it the smallest numbers would be rounded to 0,
-    /// where it is infinite) and n that is not finite.
+    /// [`Error::Invalid`] for n below −0.94 (the density is integrable above −1, but closer to it the smallest numbers would be rounded to
+    /// 0, where it is infinite) and n that is not finite.
     pub fn new(exponent: f64) -> Result<Self, Error> {
         if exponent >= -0.94 && exponent.is_finite() {
             Ok(Power { exponent })

@@ -5,8 +5,8 @@ use crate::error::Error;
 
 /// Density ∝ the polygon through (`knots[i]`, `values[i]`).
 ///
-/// In a cell of width h from value a to b, the mass r left of x_i + t h is h (a t + (b − a) t²/2); the root of this quadratic without cancellation
-/// is t = 2q/(a + √(a² + 2 (b − a) q)), q = r/h.
+/// In a cell of width h from value a to b, the mass r left of x_i + t h is h (a t + (b − a) t²/2); the root of this quadratic without
+/// cancellation is t = 2q/(a + √(a² + 2 (b − a) q)), q = r/h.
 ///
 /// ```
 /// use fredholm::sampling::distribution::{Distribution, Inverse, PiecewiseLinear};

@@ -10,8 +10,8 @@
 //! | [`UniformSphere`], [`UniformHemisphere`], [`UniformCone`] | directions | 1 |
 //! | [`CosineHemisphere`], [`HenyeyGreenstein`] | directions | cos θ, (1 + g² − 2g cos θ)^{−3/2} |
 //!
-//! Inversion, not rejection: one point of the unit cube gives one point, near points go to near points, and low discrepancy survives. The axis of
-//! directions is (0, 0, 1).
+//! Inversion, not rejection: one point of the unit cube gives one point, near points go to near points, and low discrepancy survives. The
+//! axis of directions is (0, 0, 1).
 
 mod directions;
 mod discrete;

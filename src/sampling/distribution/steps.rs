@@ -4,8 +4,8 @@ use super::{Distribution, Inverse, bin, cumulative, increasing, matching};
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
 
-/// Density ∝ `values[i]` on the cell from `edges[i]` to `edges[i + 1]`; logarithmic time. [`Table`](crate::sampling::Table) does equal cells in constant
-/// expected time.
+/// Density ∝ `values[i]` on the cell from `edges[i]` to `edges[i + 1]`; logarithmic time. [`Table`](crate::sampling::Table) does equal
+/// cells in constant expected time.
 ///
 /// ```
 /// use fredholm::sampling::distribution::{Distribution, Inverse, PiecewiseConstant};

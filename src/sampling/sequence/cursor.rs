@@ -60,9 +60,9 @@ pub trait Coordinates: Clone + Debug {
 
 /// The cursor of one walk on a [point](Coordinates).
 ///
-/// Fresh, it stands at coordinate 0 and reads all of them in order. [`seek`](Sampler::seek) moves it to the coordinates that the [`Layout`] gives
-/// to a purpose, and confines it to them. Whatever is read beyond (a rejection loop, a late vertex) is an independent random number, a pure
-/// function of the point, the vertex and the purpose: no coordinate is ever used twice.
+/// Fresh, it stands at coordinate 0 and reads all of them in order. [`seek`](Sampler::seek) moves it to the coordinates that the [`Layout`]
+/// gives to a purpose, and confines it to them. Whatever is read beyond (a rejection loop, a late vertex) is an independent random number,
+/// a pure function of the point, the vertex and the purpose: no coordinate is ever used twice.
 #[derive(Clone, Debug)]
 pub struct PointSampler<P> {
     point: P,

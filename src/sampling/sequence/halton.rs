@@ -1,7 +1,8 @@
 //! Halton points, scrambled: coordinate j is the radical inverse in the j-th prime.
 //!
-//! Halton, *On the efficiency of certain quasi-random sequences of points*, 1960; nested scrambling after Owen, *A randomized Halton algorithm in R*, 2017,
-//! and [`radical`](super::radical). Any number of points, not only powers; without scrambling neighbouring coordinates of large bases are useless.
+//! Halton, *On the efficiency of certain quasi-random sequences of points*, 1960; nested scrambling after Owen, *A randomized Halton
+//! algorithm in R*, 2017, and [`radical`](super::radical). Any number of points, not only powers; without scrambling neighbouring
+//! coordinates of large bases are useless.
 
 use super::cursor::{Coordinates, PointSampler};
 use super::radical::Radix;

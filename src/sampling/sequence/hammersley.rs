@@ -1,7 +1,7 @@
 //! Hammersley points: i/n, then Halton's coordinates.
 //!
-//! Hammersley, *Monte Carlo methods for solving multivariable problems*, 1960. The number of points is known beforehand, which is worth a factor ln n of
-//! discrepancy.
+//! Hammersley, *Monte Carlo methods for solving multivariable problems*, 1960. The number of points is known beforehand, which is worth a
+//! factor ln n of discrepancy.
 
 use super::cursor::{Coordinates, PointSampler};
 use super::halton::{Halton, HaltonPoint};
@@ -12,8 +12,9 @@ use crate::sampling::hash::{below, midpoint, open_unit, word};
 
 /// Hammersley sets of a given number of points in each replicate.
 ///
-/// The first coordinate of point i is i/n; randomised, it is uniform in one of n strata, which i walks through from a random one on, so that every
-/// point alone is uniform and a set that was interrupted is unbiased. Points from n on go through the strata again, with later Halton points.
+/// The first coordinate of point i is i/n; randomised, it is uniform in one of n strata, which i walks through from a random one on, so
+/// that every point alone is uniform and a set that was interrupted is unbiased. Points from n on go through the strata again, with later
+/// Halton points.
 ///
 /// ```
 /// use fredholm::sampling::{Hammersley, Sampler, Sequence};

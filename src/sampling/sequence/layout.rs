@@ -10,8 +10,9 @@ use std::ops::Range;
 ///       |      vertex 0       |      vertex 1       |
 /// ```
 ///
-/// Few coordinates a vertex leave the first and best ones to more vertices; what a purpose reads beyond its own is drawn independently. So state
-/// how many numbers your kernel consumes: the default, [`Layout::of_dimension`]\(3\), is for walks on domains of up to three dimensions.
+/// Few coordinates a vertex leave the first and best ones to more vertices; what a purpose reads beyond its own is drawn independently. So
+/// state how many numbers your kernel consumes: the default, [`Layout::of_dimension`]\(3\), is for walks on domains of up to three
+/// dimensions.
 ///
 /// ```
 /// use fredholm::{Equation, Walk, sampling::{Layout, Sobol}};

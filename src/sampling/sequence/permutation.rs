@@ -4,8 +4,9 @@ use crate::sampling::hash::below;
 
 /// Where permutation number `key` of 0 … n−1 sends `i` < n.
 ///
-/// Rounds of random affine maps and shifts to the right permute the next power of two; values from n on are sent on until they fall below (cycle walking),
-/// and a random rotation makes every single value exactly uniform (Kensler, *Correlated multi-jittered sampling*, Pixar 2013, with other rounds).
+/// Rounds of random affine maps and shifts to the right permute the next power of two; values from n on are sent on until they fall below
+/// (cycle walking), and a random rotation makes every single value exactly uniform (Kensler, *Correlated multi-jittered sampling*, Pixar
+/// 2013, with other rounds).
 #[inline]
 pub(super) fn permuted(mut i: u64, n: u64, key: u64) -> u64 {
     if n == 1 {

@@ -4,11 +4,11 @@
 //! i = Σ d_ℓ b^ℓ   ↦   φ_b(i) = Σ d_ℓ b^{−ℓ−1}
 //! ```
 //!
-//! Scrambled, digit ℓ is replaced by π(d_ℓ), where the permutation π is drawn anew for every prefix d_0 … d_{ℓ−1}: Owen's nested uniform scrambling.
-//! π(d) = μ(d) + c modulo b, with c uniform and μ a random permutation that fixes 0. Two different digits then go to any two different ones with
-//! equal probability, which is all that means and variances depend on (Owen, *Variance with alternative scramblings of digital nets*, 2003).
-//! The digits c along a prefix P 0 0 0 … are those of one random number U(P) in base b: so the infinite tail of zeros of a finite i costs one hash, and
-//! a coordinate as many as i has digits.
+//! Scrambled, digit ℓ is replaced by π(d_ℓ), where the permutation π is drawn anew for every prefix d_0 … d_{ℓ−1}: Owen's nested uniform
+//! scrambling. π(d) = μ(d) + c modulo b, with c uniform and μ a random permutation that fixes 0. Two different digits then go to any two
+//! different ones with equal probability, which is all that means and variances depend on (Owen, *Variance with alternative scramblings of
+//! digital nets*, 2003). The digits c along a prefix P 0 0 0 … are those of one random number U(P) in base b: so the infinite tail of zeros
+//! of a finite i costs one hash, and a coordinate as many as i has digits.
 
 use super::permutation::permuted;
 use crate::sampling::hash::{below, folded, midpoint};

@@ -54,16 +54,16 @@ impl Settings {
 macro_rules! common_settings {
     ($type:ty) => {
         impl $type {
-            /// Independent randomisations, from which the error comes (theory (4.14.4)); 16 by default. With one there is no error; more than one
-            /// scramble points that were [`unscrambled`](Self::unscrambled).
+            /// Independent randomisations, from which the error comes (theory (4.14.4)); 16 by default. With one there is no error; more
+            /// than one scramble points that were [`unscrambled`](Self::unscrambled).
             #[must_use]
             pub fn replicates(mut self, replicates: u32) -> Self {
                 self.settings = self.settings.with_replicates(replicates);
                 self
             }
 
-            /// The points of the textbook, without randomisation: one replicate, hence an estimate without an error. Coordinates beyond its own
-            /// are drawn independently. Another seed scrambles again.
+            /// The points of the textbook, without randomisation: one replicate, hence an estimate without an error. Coordinates beyond its
+            /// own are drawn independently. Another seed scrambles again.
             #[must_use]
             pub fn unscrambled(mut self) -> Self {
                 self.settings = self.settings.unscrambled();

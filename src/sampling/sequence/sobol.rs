@@ -1,22 +1,26 @@
 //! Sobol' points, scrambled.
 //!
-//! Coordinate j of point i is the sum modulo 2 of direction numbers, x = ⊕_{k: bit k of i is 1} v_{j,k} (И. М. Соболь 1967), with the polynomials
-//! and initial numbers of Joe and Kuo (2008); the first two coordinates are a (0, 2)-sequence in base 2. The points come in the natural order of i:
-//! every aligned block of 2^m is the same set as in the Gray-code order of other programs. Directions have 64 bits, so there is no limit on i.
+//! Coordinate j of point i is the sum modulo 2 of direction numbers, x = ⊕_{k: bit k of i is 1} v_{j,k} (И. М. Соболь 1967), with the
+//! polynomials and initial numbers of Joe and Kuo (2008); the first two coordinates are a (0, 2)-sequence in base 2. The points come in the
+//! natural order of i: every aligned block of 2^m is the same set as in the Gray-code order of other programs. Directions have 64 bits, so
+//! there is no limit on i.
 //!
 //! # Scrambling
-//! Read the digits of x from the first on as those of a 2-adic integer y, lowest bit first. Scrambling is y ↦ h(m(y + s)), with s random and m random and
-//! odd; h(y) = c₂(y ⊕ c₁y) (c₁ even, c₂ odd) is a fixed bijection. Each of these maps changes a digit depending only on the digits before. For two points whose first k digits agree and whose next do not, m(y' − y) is uniform over the differences of exactly that kind and m(y + s)
-//! uniform, independent of it: the pair has *the very distribution* of Owen's nested uniform scrambling (*Randomly permuted
-//! (t,m,s)-nets*, 1995), so means and variances are those of Owen's theory. h keeps that law; it breaks up the linearity among three points and more. (The form is that of the hashes of Laine, Karras 2011 and Vegdahl 2021, the law is not.)
+//! Read the digits of x from the first on as those of a 2-adic integer y, lowest bit first. Scrambling is y ↦ h(m(y + s)), s random, m
+//! random and odd, h(y) = c₂(y ⊕ c₁y) fixed (c₁ even, c₂ odd): each map is a bijection and changes a digit depending only on the digits
+//! before. Of two points whose first k digits agree and whose next do not, m(y' − y) is uniform over the differences of exactly that kind,
+//! and m(y + s) uniform, independent of it: the pair has *the very distribution* of Owen's nested uniform scrambling (*Randomly permuted
+//! (t,m,s)-nets*, 1995), so means and variances are those of Owen's theory. h keeps that law; it breaks up the linearity among three points
+//! and more. (The form is that of the hashes of Laine, Karras 2011 and Vegdahl 2021, the law is not.)
 //!
-//! No crate served the numbers at need: `sobol` (unmaintained since 2020) and `sobol-qmc` (a second nalgebra, code generation at build time) give sequential
-//! points only, `sobol_burley` 24 bits, 2¹⁶ points, 256 dimensions. The table is joe_kuo.txt, under the licence of its authors.
+//! No crate served the numbers at need: `sobol` (unmaintained since 2020) and `sobol-qmc` (a second nalgebra, code generation at build
+//! time) give sequential points only, `sobol_burley` 24 bits, 2¹⁶ points, 256 dimensions. The table is joe_kuo.txt, under the licence of
+//! its authors.
 
 use super::cursor::{Coordinates, PointSampler};
 use super::settings::{Scrambling, Settings, common_settings};
-use crate::sampling::Sequence;
 use crate::sampling::hash::{folded, open_unit, word};
+use crate::sampling::{Sampler, Sequence, coordinates_each};
 use std::ops::Range;
 use std::sync::LazyLock;
 
@@ -70,6 +74,39 @@ impl Sequence for Sobol {
         indices.map(move |index| PointSampler::new(SobolPoint { table, key, index, scrambling }, layout))
     }
 
+    fn fill(&self, cell: u64, replicate: u32, indices: Range<u64>, out: &mut [f64]) {
+        let (key, dimension) = (self.settings.key(cell, replicate), coordinates_each(&indices, out.len()));
+        let table: &'static [Matrix] = &TABLE;
+        let Some(table) = table.get(..dimension).filter(|t| !t.is_empty()) else {
+            // no coordinates, or more than there are
+            return self.points(cell, replicate, indices).zip(out.chunks_exact_mut(dimension.max(1))).for_each(|(mut u, point)| {
+                point.iter_mut().for_each(|x| *x = u.next_1d());
+            });
+        };
+        let scrambles: Vec<Scramble> = (0..dimension as u64).map(|j| Scramble::new(folded(key, j))).collect();
+        let mut columns: Vec<_> = table.iter().zip(scrambles).map(|(matrix, scramble)| (0, &matrix[0], scramble)).collect();
+        let mut first = indices.start;
+        while first < indices.end {
+            // points of a block differ in the lowest digit alone
+            let last = (indices.end - 1).min(first | (BLOCK - 1));
+            for ((high, ..), matrix) in columns.iter_mut().zip(table) {
+                *high = row(&matrix[1..], first / BLOCK);
+            }
+            let from = (first - indices.start) as usize * dimension;
+            for (i, point) in (first..=last).zip(out[from..].chunks_exact_mut(dimension)) {
+                let sums = columns.iter().map(|(high, low, scramble)| (high ^ low[(i % BLOCK) as usize], scramble));
+                match self.settings.scrambling {
+                    Scrambling::Nested => point.iter_mut().zip(sums).for_each(|(x, (y, scramble))| *x = unmirrored(scramble.apply(y))),
+                    Scrambling::None => point.iter_mut().zip(sums).for_each(|(x, (y, _))| *x = unmirrored(y)),
+                }
+            }
+            match last.checked_add(1) {
+                Some(next) => first = next,
+                None => break,
+            }
+        }
+    }
+
     fn with_seed(self, seed: u64) -> Self {
         Sobol { settings: self.settings.with_seed(seed) }
     }
@@ -102,19 +139,12 @@ impl Coordinates for SobolPoint {
 
     #[inline]
     fn coordinate(&self, j: u32) -> f64 {
-        let (mut y, mut rest) = (0, self.index);
-        for digit in &self.table[j as usize] {
-            y ^= digit[(rest & 63) as usize];
-            rest >>= 6;
-            if rest == 0 {
-                break;
-            }
-        }
+        let y = row(&self.table[j as usize], self.index);
         let y = match self.scrambling {
-            Scrambling::Nested => scrambled(y, folded(self.key, u64::from(j))),
+            Scrambling::Nested => Scramble::new(folded(self.key, u64::from(j))).apply(y),
             Scrambling::None => y,
         };
-        open_unit(y.reverse_bits())
+        unmirrored(y)
     }
 
     fn key(&self) -> u64 {
@@ -122,19 +152,54 @@ impl Coordinates for SobolPoint {
     }
 }
 
-/// h(m(y + s)), with m from s.
+/// The number whose first digit is the lowest bit.
 #[inline]
-fn scrambled(y: u64, s: u64) -> u64 {
-    let m = folded(s, 0);
-    let y = y.wrapping_add(s).wrapping_mul(m | 1);
-    (y ^ y.wrapping_mul(0x6c50_b47c_b3b1_d5e4)).wrapping_mul(0x8ebc_6af0_9c88_c6e3)
+fn unmirrored(y: u64) -> f64 {
+    open_unit(y.reverse_bits())
 }
 
-/// Sums of the direction numbers of one coordinate, for each hexadecimal digit of the index and each of its values; the first digit of x is the
-/// lowest bit.
-type Matrix = [[u64; 64]; 11];
+/// The sum of the directions of the digits of an index.
+#[inline]
+fn row(digits: &[[u64; BLOCK as usize]], mut index: u64) -> u64 {
+    let mut sum = 0;
+    for digit in digits {
+        sum ^= digit[(index % BLOCK) as usize];
+        index /= BLOCK;
+        if index == 0 {
+            break;
+        }
+    }
+    sum
+}
 
-/// A constant: 2.3 MB, made of joe_kuo.txt at the first use.
+/// y ↦ h(m(y + s)).
+#[derive(Clone, Copy)]
+struct Scramble {
+    s: u64,
+    m: u64,
+}
+
+impl Scramble {
+    #[inline]
+    fn new(s: u64) -> Self {
+        Scramble { s, m: folded(s, 0) | 1 }
+    }
+
+    #[inline]
+    fn apply(self, y: u64) -> u64 {
+        let y = y.wrapping_add(self.s).wrapping_mul(self.m);
+        (y ^ y.wrapping_mul(0x6c50_b47c_b3b1_d5e4)).wrapping_mul(0x8ebc_6af0_9c88_c6e3)
+    }
+}
+
+/// Values of a digit of the index: of 32 coordinates, the tables in use fit the first cache.
+const BLOCK: u64 = 32;
+
+/// Sums of the direction numbers of one coordinate, for each digit of the index in base 32 and each of its values; the first digit of x is
+/// the lowest bit.
+type Matrix = [[u64; BLOCK as usize]; 13];
+
+/// A constant: 3.7 MB, made of joe_kuo.txt at the first use.
 static TABLE: LazyLock<Vec<Matrix>> = LazyLock::new(|| {
     let lines = include_str!("joe_kuo.txt").lines().filter(|l| !l.starts_with('#'));
     // the first coordinate is van der Corput's: x is the index mirrored
@@ -142,7 +207,8 @@ static TABLE: LazyLock<Vec<Matrix>> = LazyLock::new(|| {
     std::iter::once(first).chain(lines.map(|line| sums(&directions(line)))).collect()
 });
 
-/// v_1 … v_64, digits mirrored, from a line `a m_1 … m_s`: v_k = m_k 2^−k for k ≤ s, then v_k = ⊕_{i < s} a_i v_{k−i} ⊕ v_{k−s} ⊕ v_{k−s} 2^−s.
+/// v_1 … v_64, digits mirrored, from a line `a m_1 … m_s`: v_k = m_k 2^−k for k ≤ s, then v_k = ⊕_{i < s} a_i v_{k−i} ⊕ v_{k−s} ⊕ v_{k−s}
+/// 2^−s.
 fn directions(line: &str) -> [u64; 64] {
     let numbers: Vec<u64> = line.split_whitespace().map(|n| n.parse().expect("the table holds whole numbers")).collect();
     let (a, m) = (numbers[0], &numbers[1..]);
@@ -160,7 +226,7 @@ fn directions(line: &str) -> [u64; 64] {
 fn sums(v: &[u64; 64]) -> Matrix {
     std::array::from_fn(|d| {
         std::array::from_fn(|value| {
-            (0..6).filter(|bit| (value >> bit) & 1 == 1 && 6 * d + bit < 64).fold(0, |sum, bit| sum ^ v[6 * d + bit])
+            (0..5).filter(|bit| (value >> bit) & 1 == 1 && 5 * d + bit < 64).fold(0, |sum, bit| sum ^ v[5 * d + bit])
         })
     })
 }
@@ -175,7 +241,7 @@ mod tests {
         // every matrix is unit upper triangular: digit k of v_k is 1, those after it 0
         for matrix in TABLE.iter() {
             for k in 0..64 {
-                let v = matrix[k / 6][1 << (k % 6)];
+                let v = matrix[k / 5][1 << (k % 5)];
                 assert_eq!(v >> k, 1);
             }
         }

@@ -1,7 +1,8 @@
 //! Stratified (jittered) points and Latin hypercubes.
 //!
-//! n = m^g points: coordinates come in groups of g, and in each group every cell of an m × … × m grid holds one point, uniform in its cell. Groups are
-//! shuffled independently. g = 1 is the Latin hypercube, or N rooks (McKay, Beckman, Conover 1979): every single coordinate is stratified into n.
+//! n = m^g points: coordinates come in groups of g, and in each group every cell of an m × … × m grid holds one point, uniform in its cell.
+//! Groups are shuffled independently. g = 1 is the Latin hypercube, or N rooks (McKay, Beckman, Conover 1979): every single coordinate is
+//! stratified into n.
 //!
 //! ```text
 //! Var ≤ σ²/(n − 1)                  Latin hypercube, any f (Owen 1997); theory (4.14.5)
@@ -17,8 +18,8 @@ use std::ops::Range;
 
 /// Jittered points: `strata` cells along each of the `axes` coordinates of a group, strata^axes points in each replicate.
 ///
-/// Any number of coordinates. Points beyond strata^axes begin another, independent set. A purpose of a walk begins a group: choose as many axes
-/// as a step consumes numbers.
+/// Any number of coordinates. Points beyond strata^axes begin another, independent set. A purpose of a walk begins a group: choose as many
+/// axes as a step consumes numbers.
 ///
 /// ```
 /// use fredholm::sampling::{Sampler, Sequence, Stratified};

@@ -10,8 +10,8 @@ use crate::error::Error;
 use crate::sampling::Sequence;
 use crate::sampling::hash::word;
 
-/// The radical inverse in any base. It has one coordinate; all others are independent random numbers. A walk makes its first step by it, unless the
-/// [layout](Self::layout) says otherwise.
+/// The radical inverse in any base. It has one coordinate; all others are independent random numbers. A walk makes its first step by it,
+/// unless the [layout](Self::layout) says otherwise.
 ///
 /// ```
 /// use fredholm::sampling::{Sampler, Sequence, VanDerCorput};
