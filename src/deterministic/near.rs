@@ -315,16 +315,16 @@ impl<K: Kernel + HasDomain> Pieces<'_, '_, K> {
         for k in 0..4 {
             masses.push(self.mass(sign, s * f64::from(1 << k), s * f64::from(2 << k))?);
         }
-        for e in 0..masses[0].len() {
+        let c2 = masses[0].len();
+        for (e, panel) in self.integrals.iter().enumerate().take(c2) {
             let means: [f64; 4] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
             let (Ok((inner, _)), Ok((outer, _))) = (below([means[0], means[1], means[2]]), below([means[1], means[2], means[3]])) else {
                 return Ok(false);
             };
-            if !(s * (2.0 * outer - inner - means[0]).abs() <= EXTRAPOLATED * self.integrals[e].abs()) {
+            if !(s * (2.0 * outer - inner - means[0]).abs() <= EXTRAPOLATED * panel.abs()) {
                 return Ok(false);
             }
         }
-        let c2 = masses[0].len();
         let mut values = vec![0.0; c2 * (3 + BELOW.len())];
         for (k, out) in [-2, -1, 0].into_iter().chain(BELOW).zip(values.chunks_exact_mut(c2)) {
             if self.target.density(self.state, sign, s * 0.5f64.powi(k), out)?.is_none() {
