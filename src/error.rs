@@ -22,6 +22,24 @@ pub enum Error {
         /// g(x), as printed by its `Debug`.
         value: String,
     },
+    /// An integrand returned NaN or an infinity.
+    #[error("integrand f is not finite: f({at}) = {value}")]
+    NonFiniteIntegrand {
+        /// The point x, as printed by its `Debug`.
+        at: String,
+        /// f(x), as printed by its `Debug`.
+        value: String,
+    },
+    /// The score of a sample is NaN or infinite, or too large to be added, although the integrand is finite where it was evaluated.
+    #[error("sample {sample} of replicate {replicate} scores {score}: the density of its point is zero or too small, or the sum overflows")]
+    NonFiniteScore {
+        /// Index of the sample in its replicate and stratum.
+        sample: u64,
+        /// Replicate.
+        replicate: u32,
+        /// The score, as printed by its `Debug`.
+        score: String,
+    },
     /// The kernel returned NaN or an infinity.
     #[error("kernel K is not finite: K({x}, {y}) = {value}")]
     NonFiniteKernel {

@@ -67,6 +67,7 @@ mod equation;
 mod error;
 #[cfg(feature = "formula")]
 pub mod formula;
+pub mod integral;
 pub mod kernel;
 mod parallel;
 #[cfg(feature = "plot")]
@@ -81,6 +82,7 @@ pub mod walk;
 
 pub use equation::{ClosureEquation, Equation, Everywhere, IntervalEquation, Method, Query};
 pub use error::Error;
+pub use integral::Integral;
 pub use statistics::Estimate;
 pub use value::{GroupMatrix, Spectrum, Value, Weight};
 pub use walk::Walk;

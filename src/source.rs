@@ -201,7 +201,7 @@ pub struct TabulatedSource<D> {
 const DEFENSIVE: f64 = 0.1;
 
 impl<D: Domain> TabulatedSource<D> {
-    fn new<V: Value>(domain: &D, g: impl Fn(&D::Point) -> V, cells: usize) -> Result<Self, Error> {
+    pub(crate) fn new<V: Value>(domain: &D, g: impl Fn(&D::Point) -> V, cells: usize) -> Result<Self, Error> {
         domain.validate()?;
         if cells == 0 {
             return Err(Error::invalid("cells", 0.0, "must be at least 1"));
@@ -225,11 +225,10 @@ impl<D: Domain> TabulatedSource<D> {
         }
         Ok(TabulatedSource { domain: domain.clone(), table: Table::new(&weights) })
     }
-}
 
-impl<D: Domain> crate::kernel::Proposal<D::Point> for TabulatedSource<D> {
+    /// A point and 1/density.
     #[inline]
-    fn sample<S: Sampler>(&self, x: &D::Point, u: &mut S) -> Node<D::Point> {
+    pub(crate) fn draw<S: Sampler>(&self, u: &mut S) -> Node<D::Point> {
         let v = u.next_1d();
         let Some(table) = &self.table else { return self.domain.sample(u) };
         let y = if v < DEFENSIVE {
@@ -240,14 +239,27 @@ impl<D: Domain> crate::kernel::Proposal<D::Point> for TabulatedSource<D> {
             let state = (t as usize).min(states - 1);
             self.domain.place(state, || (t - state as f64).clamp(f64::EPSILON / 2.0, 1.0 - f64::EPSILON / 2.0)).point
         };
-        Node { point: y, weight: 1.0 / self.pdf(x, &y) }
+        Node { point: y, weight: 1.0 / self.density(&y) }
     }
 
+    /// Density at y.
     #[inline]
-    fn pdf(&self, _: &D::Point, y: &D::Point) -> f64 {
+    pub(crate) fn density(&self, y: &D::Point) -> f64 {
         let own = self.domain.density(y);
         let Some(table) = &self.table else { return own };
         let t = (self.domain.state(y) as f64 + self.domain.coordinate(y, 0)) / self.domain.states() as f64;
         own * (DEFENSIVE + (1.0 - DEFENSIVE) * table.pdf(t))
+    }
+}
+
+impl<D: Domain> crate::kernel::Proposal<D::Point> for TabulatedSource<D> {
+    #[inline]
+    fn sample<S: Sampler>(&self, _: &D::Point, u: &mut S) -> Node<D::Point> {
+        self.draw(u)
+    }
+
+    #[inline]
+    fn pdf(&self, _: &D::Point, y: &D::Point) -> f64 {
+        self.density(y)
     }
 }

@@ -34,6 +34,12 @@ impl<D: Domain> Uniform<D> {
     pub fn on(domain: D) -> Self {
         Uniform { domain }
     }
+
+    /// A point and 1/density.
+    #[inline]
+    pub(crate) fn draw<S: Sampler>(&self, u: &mut S) -> Node<D::Point> {
+        self.domain.sample(u)
+    }
 }
 
 impl<D: Domain> Proposal<D::Point> for Uniform<D> {

@@ -58,9 +58,9 @@ pub struct Estimate<V = f64> {
     pub moments: Moments<V>,
     /// The largest scores, where they were kept.
     pub tail: Option<Tail>,
-    /// Steps of all walks.
+    /// Steps of all walks; 0 for a plain integral.
     pub steps: u64,
-    /// Evaluations of the kernel (a step counts as one).
+    /// Evaluations of the kernel (a step counts as one), or of the integrand.
     pub evaluations: u64,
     /// Set if walks were cut at a fixed depth: the estimate is biased.
     pub truncation: Option<Truncation>,
@@ -122,16 +122,15 @@ impl<V: Value> Estimate<V> {
         self.half_width(confidence).map(|h| (self.value - h, self.value + h))
     }
 
-    /// Efficiency 1/(V·W), W = kernel evaluations a walk (theory (4.3.7)): machine-independent. Largest variance of the components.
+    /// Efficiency 1/(V·W), V = squared standard error, W = all kernel evaluations (theory (4.3.7)): machine-independent, and the same for any number
+    /// of independent walks. Largest variance of the components.
     pub fn efficiency(&self) -> Option<f64> {
-        let cost = self.evaluations.max(1) as f64 / self.samples().max(1) as f64;
-        self.variance().map(|v| 1.0 / (v.magnitude() * cost))
+        self.std_error.map(|s| 1.0 / (s.magnitude().powi(2) * self.evaluations.max(1) as f64))
     }
 
-    /// Efficiency 1/(V·T), T = wall seconds a walk (theory (4.3.7)).
+    /// Efficiency 1/(V·T), V = squared standard error, T = wall seconds (theory (4.3.7)).
     pub fn efficiency_per_second(&self) -> Option<f64> {
-        let seconds = self.elapsed.as_secs_f64() / self.samples().max(1) as f64;
-        self.variance().map(|v| 1.0 / (v.magnitude() * seconds))
+        self.std_error.map(|s| 1.0 / (s.magnitude().powi(2) * self.elapsed.as_secs_f64()))
     }
 
     /// Whether every component is within `sigmas` standard errors of `reference`, up to rounding and the truncation bound, if one is known.
@@ -216,7 +215,10 @@ impl<V: Value> fmt::Display for Estimate<V> {
         if !f.alternate() {
             return f.pad(&text);
         }
-        write!(f, "{text}, {} walks, {} steps", self.samples(), self.steps)?;
+        match self.steps {
+            0 => write!(f, "{text}, {} samples", self.samples())?,
+            steps => write!(f, "{text}, {} walks, {steps} steps", self.samples())?,
+        }
         if let Some(t) = self.truncation {
             match t.bias_bound {
                 Some(b) => write!(f, ", cut at depth {} (|bias| ≤ {b:.1e})", t.depth)?,

@@ -124,6 +124,14 @@ impl<V: Value> Moments<V> {
         };
     }
 
+    /// The moments of the scores multiplied by `factor`.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let [f2, f3, f4] = [2, 3, 4].map(|k| factor.powi(k));
+        let nonzero = if factor == 0.0 { 0 } else { self.nonzero };
+        let (m2, m3, m4) = (self.m2.scale(f2), self.m3.scale(f3), self.m4.scale(f4));
+        Moments { count: self.count, nonzero, mean: self.mean.scale(factor), m2, m3, m4 }
+    }
+
     /// The moments of component `i` alone. How many of its scores are not zero was not counted: `nonzero` is that of the whole, or 0 if all were.
     #[must_use]
     pub fn component(&self, i: usize) -> Moments<f64> {

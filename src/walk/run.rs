@@ -11,7 +11,7 @@ use crate::kernel::{Operator, Transition};
 use crate::parallel;
 use crate::sampling::{Purpose, Sampler, Sequence};
 use crate::source::Source;
-use crate::statistics::{Estimate, Moments, Tail, Truncation};
+use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
 use crate::value::{Value, Weight};
 use std::time::{Duration, Instant};
 
@@ -250,20 +250,12 @@ where
     }
 
     fn estimate(&self, cell: &Cell<G::Value>) -> Estimate<G::Value> {
-        let mut moments = Moments::default();
-        cell.replicates.iter().for_each(|m| moments.merge(m));
-        let (std_error, freedom) = match self.walk.sequence.replicates() {
-            None => (moments.std_error(), moments.count.saturating_sub(1)),
-            Some(r) => {
-                let means: Vec<_> = cell.replicates.iter().map(|m| m.mean).collect();
-                (Moments::from_scores(&means).std_error(), u64::from(r) - 1)
-            }
-        };
+        let Pooled { moments, std_error, degrees_of_freedom } = Pooled::of(self.walk.sequence.replicates(), &cell.replicates);
         let vertices = cell.steps + moments.count - cell.cut;
         Estimate {
             value: moments.mean,
             std_error,
-            degrees_of_freedom: freedom,
+            degrees_of_freedom,
             moments,
             tail: cell.tail.clone(),
             steps: cell.steps,

@@ -67,6 +67,46 @@ impl Heuristic {
     }
 }
 
+impl Heuristic {
+    /// Weight of technique `i` among any number of them, from n_k p_k of each; the first wins ties of the maximum (theory (2.2.5)).
+    ///
+    /// Law: over all `i` the weights add up to 1, unless all densities are 0; where its own density is 0 a technique has weight 0.
+    ///
+    /// ```
+    /// use fredholm::walk::Heuristic;
+    /// let p = [1.0, 0.0, 3.0];
+    /// assert_eq!(Heuristic::Balance.weight(2, p.iter().copied()), 0.75);
+    /// assert_eq!(Heuristic::Average.weight(0, p.iter().copied()), 0.5);
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn weight(&self, i: usize, densities: impl Iterator<Item = f64> + Clone) -> f64 {
+        let own = densities.clone().nth(i).unwrap_or(0.0);
+        if own <= 0.0 {
+            return 0.0;
+        }
+        // from the ratios: p^β would overflow (theory §6.2, MIS)
+        let ratios = densities.clone().enumerate().filter(|(_, p)| *p > 0.0).map(|(k, p)| if k == i { (k, 1.0) } else { (k, p / own) });
+        match self {
+            Heuristic::Balance => 1.0 / ratios.map(|r| r.1).sum::<f64>(),
+            Heuristic::Power(beta) => 1.0 / ratios.map(|r| if *beta == 2.0 { r.1 * r.1 } else { r.1.powf(*beta) }).sum::<f64>(),
+            // compared, not divided: a ratio of densities one ulp apart may round to 1 in one direction only
+            Heuristic::Maximum => f64::from(u8::from(!densities.enumerate().any(|(k, p)| p > own || (p == own && k < i)))),
+            Heuristic::Average => 1.0 / ratios.count() as f64,
+        }
+    }
+
+    /// Refuses exponents that are none.
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        match self {
+            Heuristic::Power(beta) if !(*beta > 0.0 && beta.is_finite()) => {
+                Err(Error::invalid("power heuristic exponent", *beta, "must be positive and finite"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Which of two techniques a weight is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Technique {
@@ -130,11 +170,6 @@ where
     }
 
     fn validate<E: Ending<K>>(&self, _: &Equation<G, K>, _: &E) -> Result<(), Error> {
-        match self.0 {
-            Heuristic::Power(beta) if !(beta > 0.0 && beta.is_finite()) => {
-                Err(Error::invalid("power heuristic exponent", beta, "must be positive and finite"))
-            }
-            _ => Ok(()),
-        }
+        self.0.validate()
     }
 }
