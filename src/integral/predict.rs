@@ -43,7 +43,7 @@ pub(super) fn density_moments<X, V: Value>(nodes: &[Node<X>], f: &dyn Fn(&X) -> 
         covered += p * n.weight;
         variance += value.zip(mean, |f, i| square_over(f - i * p, p)).scale(n.weight);
     }
-    // where p has mass beyond the domain, scores are 0 there: (0 − I)² each
-    let outside = (1.0 - covered).max(0.0);
+    // where p has mass beyond the domain, scores are 0 there: (0 − I)² each; what rounding leaves is no mass
+    let outside = if covered < 1.0 - 1e-13 { 1.0 - covered } else { 0.0 };
     (mean, variance + mean.map(|i| i * i * outside))
 }

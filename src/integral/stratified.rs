@@ -182,20 +182,21 @@ impl<P, Q: Sequence> Stratified<P, Q> {
 /// One estimate from the strata: moments of the scores scaled so that their mean is Σ v_i ȳ_i, and the error from within the strata.
 fn assemble<V: Value>(strata: &Strata, parts: &[Drawn<V>]) -> (Moments<V>, Option<V>, u64) {
     let total = parts.iter().map(|p| p.moments.count).sum::<u64>() as f64;
-    let (mut all, mut variance, mut freedom) = (Moments::default(), Some(V::ZERO), V::ZERO);
+    let (mut all, mut variance, mut fourth) = (Moments::default(), Some(V::ZERO), V::ZERO);
     for (i, part) in parts.iter().enumerate() {
         let m = &part.moments;
         all.merge(&m.scaled(strata.volume(i) * total / m.count as f64));
         let own = m.variance().map(|v| v.scale(strata.volume(i).powi(2) / m.count as f64));
         variance = variance.zip(own).map(|(sum, v)| sum + v);
-        freedom += own.map_or(V::ZERO, |v| v.map(|v| v * v / (m.count - 1) as f64));
+        // E s⁴ = σ⁴ (ν + 2)/ν for ν = n_i − 1: ν + 2 in the place of ν makes σ⁴ unbiased
+        fourth += own.map_or(V::ZERO, |v| v.map(|v| v * v / (m.count + 1) as f64));
     }
-    // Welch–Satterthwaite, the least of all components
+    // Welch (1947) and Satterthwaite (1946), ν = (Σ s²)²/Σ(s⁴/(ν_i + 2)) − 2, exact for one stratum; the least of all components
     let spare = (total as u64).saturating_sub(parts.len() as u64);
     let degrees = variance.map_or(0, |variance| {
         let of = |i: usize| {
-            let (v, f) = (variance.component(i), freedom.component(i));
-            if f > 0.0 { ((v * v / f) as u64).clamp(1, spare.max(1)) } else { spare }
+            let (v, f) = (variance.component(i), fourth.component(i));
+            if f > 0.0 { ((v * v / f).round() as u64).saturating_sub(2).clamp(1, spare.max(1)) } else { spare }
         };
         (0..V::COMPONENTS).map(of).min().unwrap_or(0)
     });

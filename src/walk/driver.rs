@@ -57,6 +57,25 @@ impl<X, W: Weight, S> Lane<X, W, S> {
     }
 }
 
+impl<X: Copy, W: Weight, S> Lane<X, W, S> {
+    /// Where the walk is, or will be when its step is done.
+    #[inline]
+    pub(super) fn next_point(&self) -> X {
+        self.step.as_ref().map_or(self.visit.point, Step::point)
+    }
+
+    /// Goes on with another sampler.
+    #[inline]
+    pub(super) fn read(&mut self, u: S) {
+        self.u = u;
+    }
+
+    #[inline]
+    pub(super) fn sampler(&self) -> &S {
+        &self.u
+    }
+}
+
 /// A walk that has ended.
 pub(super) struct Outcome<V> {
     /// Its number in the front.
@@ -121,7 +140,7 @@ where
 
     /// One vertex and one step of all walks in `ranks`, which then holds those that go on; returns how many.
     #[inline]
-    fn advance<S: Sampler, O: Observer<K::Point, K::Weight>>(
+    pub(super) fn advance<S: Sampler, O: Observer<K::Point, K::Weight>>(
         &self,
         lanes: &mut [Lane<K::Point, K::Weight, S>],
         ranks: &mut Vec<u32>,

@@ -7,13 +7,16 @@
 //! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
 //! [`Walk::fixed_depth`]; every part can be exchanged.
 
+mod array;
 mod driver;
 mod ending;
 mod observer;
+mod order;
 mod rounds;
 mod run;
 mod scoring;
 
+pub use array::ArrayRqmc;
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use observer::{Observer, Trace, TracedVertex};

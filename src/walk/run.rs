@@ -268,7 +268,7 @@ where
 
 /// A walk at its start.
 #[inline]
-fn start<D: Detector, W: Weight, S: Sampler>(detector: &D, cell: usize, walk: usize, mut u: S) -> Lane<D::Point, W, S> {
+pub(super) fn start<D: Detector, W: Weight, S: Sampler>(detector: &D, cell: usize, walk: usize, mut u: S) -> Lane<D::Point, W, S> {
     u.seek(0, Purpose::Start);
     Lane::new(walk, detector.start(cell, &mut u), u)
 }

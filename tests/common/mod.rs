@@ -36,6 +36,18 @@ const REGISTERED: &[(&str, u32)] = &[
     ("sampling::planes", 12),
     ("sampling::indices", 2),
     ("sampling::coverage", 14),
+    ("integral::lectures", 6),
+    ("integral::square", 2),
+    ("integral::ties", 1),
+    ("integral::blind", 4),
+    ("integral::control", 3),
+    ("integral::domains", 5),
+    ("integral::study", 2),
+    ("integral::variances", 36),
+    ("integral::optimal", 2),
+    ("integral::neyman", 2),
+    ("integral::slopes", 3),
+    ("integral::coverage", 5),
 ];
 
 /// The share of one test.

@@ -1,0 +1,34 @@
+//! Plain integrals: lecture problems and slips, variance laws, rates, coverage, refusals; Array-RQMC.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod lectures;
+mod rates;
+mod refusals;
+mod variances;
+
+use fredholm::Estimate;
+use fredholm::integral::Integral;
+use fredholm::source::Source;
+use fredholm::statistics::{Measured, Study};
+
+/// (mean, error, freedom) as the budget takes it.
+fn stated(e: &Estimate) -> (f64, f64, f64) {
+    (e.value, e.std_error.unwrap(), e.degrees_of_freedom as f64)
+}
+
+/// A measured number; repetitions are so many that Student's quantile is the normal one.
+fn measured(m: Measured) -> (f64, f64, f64) {
+    (m.value, m.std_error, 1e6)
+}
+
+/// Repeats a method on an integral, by seeds.
+fn study<D, G>(integral: &Integral<D, G>, truth: f64, repetitions: u64, solve: &(dyn Fn(u64) -> Estimate + Sync)) -> Study
+where
+    D: Send + Sync,
+    G: Source<Value = f64>,
+{
+    let _ = integral;
+    Study::run(truth, repetitions, |seed| Ok(solve(seed))).unwrap()
+}
