@@ -38,7 +38,11 @@
 //! | [`Walk::next_event`] | [`Kernel`](kernel::Kernel) | [`SampleSource`](source::SampleSource) | yes | and ∫K²g²/q < ∞ along the walk |
 //! | [`Walk::mis`] | `Kernel`, [`TransitionPdf`](kernel::TransitionPdf) | `SampleSource` | yes | as the better of both |
 //! | [`Walk::fixed_depth`] | `Transition` | `Source` | no: the bound is printed | always |
+//! | [`ArrayRqmc`](walk::ArrayRqmc) of any walk | and [`HasDomain`](kernel::HasDomain) | as the walk | yes | as the walk; falls faster than 1/n |
 //! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
+//!
+//! Plain integrals ∫f dμ, on which walks stand, are [`Integral`]s with the same verb and the same [`Estimate`]: [`integral`] has importance sampling,
+//! strata, combined sampling, control functions. [`Study`](statistics::Study) measures bias, variance and coverage of any estimator.
 //!
 //! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own.
 //!
@@ -56,7 +60,7 @@
 //!
 //! # Reading order
 //!
-//! `value` → [`kernel`] → `walk/scoring/collision.rs` → `walk/driver.rs` → [`deterministic`] → [`transport`]: about 700 lines to the whole idea.
+//! `value` → [`integral`] → [`kernel`] → `walk/scoring/collision.rs` → `walk/driver.rs` → [`deterministic`] → [`transport`]: about 700 lines to the whole idea.
 //! «theory (4.2.1)» in comments numbers the formulas; each file that uses one states it.
 
 pub mod check;

@@ -3,6 +3,7 @@
 use crate::domain::{Domain, Node, Point};
 use crate::kernel::{Proposal, Uniform};
 use crate::sampling::Sampler;
+use crate::sampling::distribution::Distribution;
 use crate::source::TabulatedSource;
 use std::fmt::Debug;
 
@@ -22,14 +23,37 @@ pub trait Density<X>: Send + Sync {
     fn pdf(&self, x: &X) -> f64;
 }
 
-impl<X, T: Density<X>> Density<X> for &T {
+/// What a distribution draws from: one uniform number, or two.
+pub trait Unit {
+    /// Reads it.
+    fn read<S: Sampler + ?Sized>(u: &mut S) -> Self;
+}
+
+impl Unit for f64 {
     #[inline]
-    fn sample<S: Sampler + ?Sized>(&self, u: &mut S) -> Node<X> {
-        (**self).sample(u)
+    fn read<S: Sampler + ?Sized>(u: &mut S) -> f64 {
+        u.next_1d()
+    }
+}
+
+impl Unit for [f64; 2] {
+    #[inline]
+    fn read<S: Sampler + ?Sized>(u: &mut S) -> [f64; 2] {
+        u.next_2d()
+    }
+}
+
+/// Every [`Distribution`] is a density: tables, powers, exponentials, disks, hemispheres.
+impl<T: Distribution<Unit: Unit> + Send + Sync> Density<T::Point> for T {
+    #[inline]
+    fn sample<S: Sampler + ?Sized>(&self, u: &mut S) -> Node<T::Point> {
+        let point = Distribution::sample(self, T::Unit::read(u));
+        let weight = 1.0 / Distribution::pdf(self, &point);
+        Node { point, weight }
     }
     #[inline]
-    fn pdf(&self, x: &X) -> f64 {
-        (**self).pdf(x)
+    fn pdf(&self, x: &T::Point) -> f64 {
+        Distribution::pdf(self, x)
     }
 }
 

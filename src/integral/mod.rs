@@ -50,7 +50,7 @@ mod stratified_variance;
 pub use allocation::Allocation;
 pub use combined::Combined;
 pub use control::{Coefficient, Control};
-pub use density::{Density, Warp, inverse, warp};
+pub use density::{Density, Unit, Warp, inverse, warp};
 pub use gauss::Gauss;
 pub use importance::Importance;
 pub use plain::Plain;

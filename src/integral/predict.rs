@@ -8,7 +8,7 @@ use crate::value::Value;
 
 /// A primary estimator with a formula for its variance.
 pub trait Predict<D: Domain, V: Value>: Primary<D, V> {
-    /// E[score] and Var[score], with `nodes` as the rule for integrals over the domain. Infinite where a density misses a node with f ≠ 0.
+    /// Mean and variance of a score, with `nodes` as the rule for integrals over the domain. Infinite where a density misses a node with f ≠ 0.
     fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V);
 }
 
@@ -18,7 +18,7 @@ pub trait Predict<D: Domain, V: Value>: Primary<D, V> {
     note = "variances are predicted for independent points (`Pcg`): those of low-discrepancy points come from replicates"
 )]
 pub trait Predictable<D: Domain, G: Source> {
-    /// Var[Î].
+    /// Var Î.
     ///
     /// # Errors
     /// Those of the method and of the rule.

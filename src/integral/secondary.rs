@@ -19,7 +19,7 @@ use std::time::Instant;
 
 /// A primary estimator: one unbiased score of ∫ f dμ from one point of the cube.
 ///
-/// Laws: E[score] = ∫_Ω f dμ for every f that the estimator is meant for; linear in f for the same point.
+/// Laws: the expectation of a score is ∫_Ω f dμ, for every f that the estimator is meant for; linear in f for the same point.
 pub trait Primary<D: Domain, V: Value>: Clone + Debug + Send + Sync {
     /// A score. `f` is 0 outside the domain. Coordinates are read in order from the first.
     fn score<S: Sampler>(&self, domain: &D, f: &impl Fn(&D::Point) -> V, u: &mut S) -> V;

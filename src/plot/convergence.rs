@@ -11,7 +11,7 @@ use std::path::Path;
 const WIDTH: f64 = 520.0;
 const HEIGHT: f64 = 400.0;
 
-/// Error against cost on log-log axes, with the slope −1/2 of independent samples for reference.
+/// Error against cost on log-log axes, with the slope −1/2 of independent samples for reference, or [slopes](Convergence::slopes) of your own.
 ///
 /// An error of exactly 0 has no logarithm: such points are drawn as ▽ on the lower edge, and the legend says so.
 ///
@@ -31,6 +31,7 @@ pub struct Convergence {
     cost: String,
     error: String,
     series: Vec<(String, Vec<(f64, f64)>)>,
+    slopes: Vec<f64>,
 }
 
 impl Convergence {
@@ -46,7 +47,13 @@ impl Convergence {
 
     /// Any cost, by its name.
     pub fn against(title: &str, cost: &str) -> Self {
-        Convergence { title: title.into(), subtitle: String::new(), cost: cost.into(), error: "error".into(), series: Vec::new() }
+        let (title, subtitle, cost, error) = (title.into(), String::new(), cost.into(), "error".into());
+        Convergence { title, subtitle, cost, error, series: Vec::new(), slopes: vec![-0.5] }
+    }
+
+    /// Reference lines of other slopes than −1/2, all from one point; or none.
+    pub fn slopes(self, slopes: &[f64]) -> Self {
+        Convergence { slopes: slopes.to_vec(), ..self }
     }
 
     /// A smaller line below the title.
@@ -101,6 +108,7 @@ impl Convergence {
             check(label, "cost", "must be positive and finite", points.iter().map(|p| p.0), |c| c > 0.0)?;
             check(label, "error", "must be finite and not negative", points.iter().map(|p| p.1), |e| e >= 0.0)?;
         }
+        check("reference lines", "slope", "must be finite", self.slopes.iter().copied(), |_| true)?;
         if self.points().all(|(_, e)| e == 0.0) {
             return Err(Error::invalid("largest error", 0.0, "a log scale needs at least one positive error"));
         }
@@ -113,7 +121,8 @@ impl Convergence {
         let x = Axis::log(&self.cost, self.points().map(|p| p.0), 0.12);
         let least = self.points().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let errors = self.points().map(|p| p.1).filter(|e| *e > 0.0);
-        let y = Axis::log(&self.error, errors.chain([constant / least.sqrt()]), 0.15);
+        let top = (!self.slopes.is_empty()).then_some(constant / least.sqrt());
+        let y = Axis::log(&self.error, errors.chain(top), 0.15);
         let legend = self.legend();
         let left = Panel::room_left(&y, HEIGHT) + 8.0;
         let frame = Frame { left, top: panel::top(&self.subtitle), width: WIDTH, height: HEIGHT };
@@ -121,7 +130,11 @@ impl Convergence {
         let mut drawing = Drawing::new(panel::page_width(beside, frame, &self.title, &self.subtitle), frame.top + HEIGHT + 52.0);
         let panel = Panel { frame, x, y };
         panel.grid(&mut drawing);
-        reference(&panel, constant, &mut drawing);
+        for slope in &self.slopes {
+            // through the point (least, constant/√least)
+            let from = if self.slopes.len() == 1 { 0.0 } else { least };
+            reference(&panel, constant * least.powf(-0.5 - slope), (*slope, from), &mut drawing);
+        }
         for (i, (_, points)) in self.series.iter().enumerate() {
             curve(&panel, points, look(i), &mut drawing);
         }
@@ -139,7 +152,12 @@ impl Convergence {
 
     fn legend(&self) -> Vec<Entry> {
         let mut entries: Vec<_> = self.series.iter().enumerate().map(|(i, (label, _))| Entry::series(label, look(i))).collect();
-        entries.push(Entry { label: "slope −1/2".into(), colour: GREY, line: Some(DASHED), marker: None });
+        if !self.slopes.is_empty() {
+            // one entry: the lines tell themselves apart
+            let names = self.slopes.iter().map(|s| slope_name(*s)).collect::<Vec<_>>().join(", ");
+            let label = if self.slopes.len() == 1 { format!("slope {names}") } else { format!("slopes {names}") };
+            entries.push(Entry { label, colour: GREY, line: Some(DASHED), marker: None });
+        }
         if self.points().any(|(_, e)| e == 0.0) {
             entries.push(Entry { label: "error exactly 0".into(), colour: GREY, line: None, marker: Some(Marker::Fallen) });
         }
@@ -147,12 +165,24 @@ impl Convergence {
     }
 }
 
-/// error = constant/√cost, cut where it leaves the frame.
-fn reference(panel: &Panel, constant: f64, drawing: &mut Drawing) {
+/// «−3/2»: halves as fractions.
+fn slope_name(slope: f64) -> String {
+    let sign = if slope < 0.0 { "−" } else { "" };
+    let (size, halves) = (slope.abs(), 2.0 * slope.abs());
+    if halves.fract() == 0.0 && size.fract() != 0.0 { format!("{sign}{halves}/2") } else { format!("{sign}{size}") }
+}
+
+/// error = constant · cost^slope from a cost on, cut where it leaves the frame.
+fn reference(panel: &Panel, constant: f64, (slope, least): (f64, f64), drawing: &mut Drawing) {
     let ((x0, x1), (y0, y1)) = (panel.x.ends(), panel.y.ends());
-    let from = x0.max((constant / y1).powi(2));
-    let to = x1.min((constant / y0).powi(2));
-    drawing.line(&[from, to].map(|c| panel.place(c, constant / c.sqrt())), GREY, 1.4, DASHED);
+    let error = |cost: f64| constant * cost.powf(slope);
+    // where the line meets the upper and the lower edge
+    let [a, b] = [y0, y1].map(|y| (y / constant).powf(1.0 / slope));
+    let (from, to) = if slope == 0.0 { (x0, x1) } else { (x0.max(a.min(b)), x1.min(a.max(b))) };
+    let from = from.max(least);
+    if from < to {
+        drawing.line(&[from, to].map(|c| panel.place(c, error(c))), GREY, 1.4, DASHED);
+    }
 }
 
 fn curve(panel: &Panel, points: &[(f64, f64)], look: Look, drawing: &mut Drawing) {

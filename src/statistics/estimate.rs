@@ -207,7 +207,8 @@ fn parenthesised(value: f64, error: f64) -> String {
 impl<V: Value> fmt::Display for Estimate<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let one = |i: usize| match self.std_error {
-            Some(se) if se.component(i) == 0.0 => format!("{}(0)", self.value.component(i)),
+            // an error below the rounding of the value has no digit that could be printed
+            Some(se) if se.component(i) <= 0.25 * f64::EPSILON * self.value.component(i).abs() => format!("{}(0)", self.value.component(i)),
             Some(se) => parenthesised(self.value.component(i), se.component(i)),
             None => format!("{}(?)", self.value.component(i)),
         };

@@ -58,10 +58,13 @@ impl<X, W: Weight, S> Lane<X, W, S> {
 }
 
 impl<X: Copy, W: Weight, S> Lane<X, W, S> {
-    /// Where the walk is, or will be when its step is done.
+    /// Where the walk is, and its |W|, or will be when its step is done.
     #[inline]
-    pub(super) fn next_point(&self) -> X {
-        self.step.as_ref().map_or(self.visit.point, Step::point)
+    pub(super) fn destination(&self) -> (X, f64) {
+        match &self.step {
+            Some(step) => (step.point(), self.visit.weight.scaled(self.reciprocal).then(step.weight()).norm()),
+            None => (self.visit.point, self.visit.weight.norm()),
+        }
     }
 
     /// Goes on with another sampler.

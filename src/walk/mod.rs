@@ -20,6 +20,7 @@ pub use array::ArrayRqmc;
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use observer::{Observer, Trace, TracedVertex};
+pub use order::Sort;
 pub use rounds::{Round, Rounds};
 pub use run::Checkpoint;
 pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, Scoring, Technique, Visit};

@@ -48,6 +48,13 @@ const REGISTERED: &[(&str, u32)] = &[
     ("integral::neyman", 2),
     ("integral::slopes", 3),
     ("integral::coverage", 5),
+    ("integral::sequences", 48),
+    ("integral::rooks", 4),
+    ("integral::net slopes", 6),
+    ("integral::replicates", 6),
+    ("integral::array", 20),
+    ("integral::array coverage", 2),
+    ("integral::array plain", 1),
 ];
 
 /// The share of one test.

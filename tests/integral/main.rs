@@ -3,14 +3,14 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod array;
 mod lectures;
 mod rates;
 mod refusals;
+mod sequences;
 mod variances;
 
 use fredholm::Estimate;
-use fredholm::integral::Integral;
-use fredholm::source::Source;
 use fredholm::statistics::{Measured, Study};
 
 /// (mean, error, freedom) as the budget takes it.
@@ -23,12 +23,7 @@ fn measured(m: Measured) -> (f64, f64, f64) {
     (m.value, m.std_error, 1e6)
 }
 
-/// Repeats a method on an integral, by seeds.
-fn study<D, G>(integral: &Integral<D, G>, truth: f64, repetitions: u64, solve: &(dyn Fn(u64) -> Estimate + Sync)) -> Study
-where
-    D: Send + Sync,
-    G: Source<Value = f64>,
-{
-    let _ = integral;
+/// Repeats a solve, by seeds.
+fn study(truth: f64, repetitions: u64, solve: &(dyn Fn(u64) -> Estimate + Sync)) -> Study {
     Study::run(truth, repetitions, |seed| Ok(solve(seed))).unwrap()
 }

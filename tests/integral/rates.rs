@@ -55,13 +55,12 @@ fn intervals_cover_what_they_promise() {
         ("two replicates", &|s| integral.solve(&Stratified::jittered(Strata::uniform(32), 2).seed(s)).unwrap()),
     ];
     for (name, solve) in methods {
-        let c = study(&integral, E - 1.0, 20_000, solve).coverage(0.95);
+        let c = study(E - 1.0, 20_000, solve).coverage(0.95);
         assert_eq!(c.unknown, 0);
         budget.frequency(name, c.hits, c.trials, 0.94, 0.96).unwrap();
     }
     // one sample a stratum, no replicates: no error is invented, and no interval counted
-    let c =
-        study(&integral, E - 1.0, 10, &|s| integral.solve(&Stratified::jittered(Strata::uniform(8), 1).seed(s)).unwrap()).coverage(0.95);
+    let c = study(E - 1.0, 10, &|s| integral.solve(&Stratified::jittered(Strata::uniform(8), 1).seed(s)).unwrap()).coverage(0.95);
     assert_eq!((c.trials, c.unknown), (0, 10));
     assert_eq!(integral.solve(&Secondary::plain().samples(1)).unwrap().std_error, None);
 }

@@ -46,7 +46,7 @@ where
 {
     let truth = integral.solve(&rule()).unwrap();
     let predicted = integral.predict(&method(0), &rule()).unwrap();
-    let s = study(integral, truth, REPETITIONS, &|seed| integral.solve(&method(seed)).unwrap());
+    let s = study(truth, REPETITIONS, &|seed| integral.solve(&method(seed)).unwrap());
     let scale = predicted.sqrt();
     vec![
         budget.mean(&format!("{name}: value"), measured(s.bias()), 0.0, 0.15 * scale),
@@ -117,7 +117,7 @@ fn optimal_weights_from_a_pilot() {
     let truth = integral.solve(&rule()).unwrap();
     let method = |seed| Secondary::combined(techniques(Combined::optimal(1000), [1, 1, 1])).samples(64).seed(seed);
     let predicted = integral.predict(&method(0), &rule()).unwrap();
-    let s = study(&integral, truth, REPETITIONS, &|seed| integral.solve(&method(seed)).unwrap());
+    let s = study(truth, REPETITIONS, &|seed| integral.solve(&method(seed)).unwrap());
     let ratio = s.variance().value / predicted;
     assert!((0.9..1.3).contains(&ratio), "{ratio}");
     budget.mean("value", measured(s.bias()), 0.0, 0.2 * predicted.sqrt()).unwrap();
@@ -168,7 +168,7 @@ fn neyman_from_a_pilot() {
     let truth = integral.solve(&rule()).unwrap();
     let method = |seed| Stratified::new(Strata::uniform(10)).allocation(Allocation::Neyman { pilot: 50 }).samples(400).seed(seed);
     let predicted = integral.predict(&method(0), &rule()).unwrap();
-    let s = study(&integral, truth, REPETITIONS, &|seed| integral.solve(&method(seed)).unwrap());
+    let s = study(truth, REPETITIONS, &|seed| integral.solve(&method(seed)).unwrap());
     budget.mean("value", measured(s.bias()), 0.0, 0.2 * predicted.sqrt()).unwrap();
     let ratio = s.variance().value / predicted;
     assert!((0.85..1.25).contains(&ratio), "{ratio}");
