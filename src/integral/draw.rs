@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Scores in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 pub(super) const CHUNK: u64 = 1024;
 /// Chunks in flight before they are merged: bounds memory on long runs.
-const BATCH: u64 = 4096;
+pub(super) const BATCH: u64 = 4096;
 /// Where pilots take their points: a cell of the sequence that no main run reads, so that the two are independent.
 pub(super) const PILOT: u64 = 1 << 62;
 
@@ -97,6 +97,12 @@ where
     Ok(Drawn { tail: Tail::of_block(&scores, moments.nonzero, threshold), moments, evaluations: probe.count() })
 }
 
+/// The results of many tasks in order, or the first error. Behind a vtable: one call a chunk, and the machinery of threads is compiled once, not for every
+/// integrand and estimator.
+pub(super) fn all<T: Send>(count: u64, task: &(dyn Fn(u64) -> Result<T, Error> + Sync)) -> Result<Vec<T>, Error> {
+    parallel::map(count as usize, |i| task(i as u64)).into_iter().collect()
+}
+
 /// `count` scores of one cell in each of `replicates` replicates.
 pub(super) fn draw<D, G, Q>(
     integral: &Integral<D, G>,
@@ -115,12 +121,12 @@ where
     for from in (0..chunks * rows).step_by(BATCH as usize) {
         let to = (from + BATCH).min(chunks * rows);
         let threshold = tail.threshold();
-        let drawn = parallel::map((to - from) as usize, |i| {
-            let task = from + i as u64;
+        let drawn = all(to - from, &|i| {
+            let task = from + i;
             let start = task % chunks * CHUNK;
             chunk(integral, sequence, (cell, (task / chunks) as u32), start..(start + CHUNK).min(count), threshold, score)
         });
-        let drawn = drawn.into_iter().collect::<Result<Vec<_>, Error>>()?;
+        let drawn = drawn?;
         for (task, part) in (from..).zip(&drawn) {
             moments[(task / chunks) as usize].merge(&part.moments);
             evaluations += part.evaluations;

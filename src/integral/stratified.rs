@@ -9,13 +9,12 @@
 //! strata at all (theory (4.14.5)). Reference: Cochran, *Sampling techniques* (1977), ch. 5; Haber, *A modified Monte-Carlo quadrature*, Math.
 //! Comp. 20 (1966) 361.
 
-use super::draw::{CHUNK, Drawn, PILOT, Probe, chunk};
+use super::draw::{BATCH, CHUNK, Drawn, PILOT, Probe, all, chunk};
 use super::plain::Plain;
 use super::secondary::{Primary, validate};
 use super::{Allocation, Integral, Integrator, Strata};
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::parallel;
 use crate::sampling::{Pcg, Sequence};
 use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled};
@@ -118,11 +117,11 @@ impl<P, Q: Sequence> Stratified<P, Q> {
         // strata of few samples are grouped, so that a task is worth its while
         let mean = counts.iter().sum::<u64>() / counts.len() as u64;
         let group = (CHUNK / mean.max(1)).max(1) as usize;
-        let parts = parallel::map(counts.len().div_ceil(group), |g| {
+        let parts = all(counts.len().div_ceil(group) as u64, &|g| {
             let one = |i: usize| self.stratum(integral, primary, (first, replicate), i, counts[i]);
-            (g * group..((g + 1) * group).min(counts.len())).map(one).collect::<Result<Vec<_>, Error>>()
+            (g as usize * group..((g as usize + 1) * group).min(counts.len())).map(one).collect::<Result<Vec<_>, Error>>()
         });
-        Ok(parts.into_iter().collect::<Result<Vec<_>, Error>>()?.into_iter().flatten().collect())
+        Ok(parts?.into_iter().flatten().collect())
     }
 
     /// `count` scores in stratum `i`.
@@ -147,20 +146,19 @@ impl<P, Q: Sequence> Stratified<P, Q> {
             return chunk(integral, &self.sequence, (cell, replicate), 0..count, f64::INFINITY, &score);
         }
         // many samples: chunks in parallel
-        let mut all = Drawn { moments: Moments::default(), tail: Default::default(), evaluations: 0 };
+        let mut sum = Drawn { moments: Moments::default(), tail: Default::default(), evaluations: 0 };
         let chunks = count.div_ceil(CHUNK);
-        for from in (0..chunks).step_by(4096) {
-            let drawn = parallel::map((chunks - from).min(4096) as usize, |c| {
-                let start = (from + c as u64) * CHUNK;
+        for from in (0..chunks).step_by(BATCH as usize) {
+            let drawn = all((chunks - from).min(BATCH), &|c| {
+                let start = (from + c) * CHUNK;
                 chunk(integral, &self.sequence, (cell, replicate), start..(start + CHUNK).min(count), f64::INFINITY, &score)
             });
-            for part in drawn {
-                let part = part?;
-                all.moments.merge(&part.moments);
-                all.evaluations += part.evaluations;
+            for part in drawn? {
+                sum.moments.merge(&part.moments);
+                sum.evaluations += part.evaluations;
             }
         }
-        Ok(all)
+        Ok(sum)
     }
 
     /// σ_i of every stratum from a pilot, and the evaluations.

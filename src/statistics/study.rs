@@ -89,7 +89,8 @@ impl Study {
         if !truth.is_finite() {
             return Err(Error::invalid("truth", truth, "must be finite"));
         }
-        let runs = parallel::map(repetitions as usize, |seed| solve(seed as u64)).into_iter().collect::<Result<Vec<_>, _>>()?;
+        let one: &(dyn Fn(usize) -> Result<Estimate, Error> + Sync) = &|seed| solve(seed as u64);
+        let runs = parallel::map(repetitions as usize, one).into_iter().collect::<Result<Vec<_>, _>>()?;
         let errors: Vec<f64> = runs.iter().map(|e| e.value - truth).collect();
         let squares: Vec<f64> = errors.iter().map(|e| e * e).collect();
         Ok(Study { truth, runs, errors: Moments::from_scores(&errors), squares: Moments::from_scores(&squares) })

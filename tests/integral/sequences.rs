@@ -126,9 +126,11 @@ fn low_discrepancy_has_its_slopes() {
         let logarithms = if expected == -1.0 { ((s - expected).abs() - 0.06).max(0.0) } else { (s - expected).abs() };
         budget.mean(name, (expected + logarithms, error, freedom), expected, 0.2).unwrap();
     }
+    // logarithms again: the slope nears −3/2 from above
+    let sizes: Vec<u64> = (5..=13).map(|k| 1 << k).collect();
     let sobol = Sweep::run(truth, &sizes, R, |n, s| square.solve(&plain().samples(n).sequence(Sobol::new(s).replicates(1)))).unwrap();
     let (s, error, _) = slope(&sobol, R);
-    assert!(s + 6.0 * error < -1.3 && s < -1.38, "Sobol' in the plane: {s} ± {error}");
+    assert!(s <= -1.4 && s + 6.0 * error < -1.3, "Sobol' in the plane: {s} ± {error}");
 }
 
 /// 95 % intervals from replicates, for a smooth and for a jumping integrand.
