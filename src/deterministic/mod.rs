@@ -7,7 +7,8 @@
 //! | [`classify`] | what K looks like on the diagonal, in words | Δ_{k+1}/Δ_k along r = 2^{−k} |
 //! | [`Galerkin`] | f among piecewise polynomials, and g + T f_h of twice the order | ⟨φ_i, f_h − T f_h⟩ = ⟨φ_i, g⟩ |
 //! | [`Collocation`] | the same from fewer rows of T | f_h(x_i) − (T f_h)(x_i) = g(x_i) |
-//! | [`eigenvalues`], [`spectral_radius`] | when Σ Tⁿ converges | det(λ − T_n) = 0 |
+//! | [`eigenpairs`], [`eigenvalues`], [`spectral_radius`] | λ and φ with their errors; when Σ Tⁿ converges | λφ = Tφ |
+//! | [`determinant`] | det(I − zT) | Π (1 − zλ_k) |
 //! | [`Equation::predict`](crate::Equation::predict) | variance and cost of a walk before it starts | σ² = ν + (K²/π) σ² |
 
 mod adaptive;
@@ -39,5 +40,5 @@ pub use factorised::Factorised;
 pub use galerkin::Galerkin;
 pub use nystrom::Nystrom;
 pub use solution::NystromSolution;
-pub use spectrum::{eigenvalues, spectral_radius};
+pub use spectrum::{Determinant, Eigenpair, determinant, eigenpairs, eigenvalues, spectral_radius};
 pub use variance::{PredictedVariance, Prediction};
