@@ -43,7 +43,7 @@ impl Factor {
             factor.rcond = 1.0 / (sums.max() * inverse_one);
         }
         if factor.rcond.is_nan() || factor.rcond <= SINGULAR {
-            return Err(Error::Singular { rcond: factor.rcond, unknowns: n });
+            return Err(Error::Singular { rcond: factor.rcond, unknowns: n, alternative: None });
         }
         Ok(factor)
     }
@@ -70,7 +70,7 @@ impl Factor {
     }
 
     /// A⁻ᵀ b.
-    fn solve_transposed(&self, b: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn solve_transposed(&self, b: &DVector<f64>) -> DVector<f64> {
         let mut x = b.clone();
         self.transpose.solve(&mut x);
         x

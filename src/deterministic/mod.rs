@@ -3,6 +3,7 @@
 //! | | what | formula |
 //! |---|---|---|
 //! | [`Nystrom`] | f everywhere, by a quadrature rule | f(x) = g(x) + Σ w_j K(x, y_j) f_j |
+//! | [`NystromSolution::corrected_functional`] | ∫ h f with doubled accuracy | ⟨h, f̃⟩ + ⟨ψ, g + T f̃ − f̃⟩ |
 //! | [`Factorised`] | many sources for one kernel | (I − T)⁻¹ kept as L U |
 //! | [`classify`] | what K looks like on the diagonal, in words | Δ_{k+1}/Δ_k along r = 2^{−k} |
 //! | [`Galerkin`] | f among piecewise polynomials, and g + T f_h of twice the order | ⟨φ_i, f_h − T f_h⟩ = ⟨φ_i, g⟩ |
@@ -12,6 +13,8 @@
 //! | [`Equation::predict`](crate::Equation::predict) | variance and cost of a walk before it starts | σ² = ν + (K²/π) σ² |
 
 mod adaptive;
+mod adjoint;
+mod alternative;
 mod basis;
 mod class;
 mod collocation;
@@ -33,6 +36,8 @@ mod split;
 mod variance;
 mod verify;
 
+pub use adjoint::Functional;
+pub use alternative::Alternative;
 pub use class::{Diagonal, KernelClass, classify};
 pub use collocation::Collocation;
 pub use elements::{ElementErrors, ElementSolution};

@@ -10,6 +10,7 @@
 //! and keeps its order for kinks, jumps, logarithms and mild algebraic singularities.
 
 use super::adaptive;
+use super::alternative::explained;
 use super::class::Diagonal;
 use super::grid::Grid;
 use super::solution::NystromSolution;
@@ -219,12 +220,13 @@ where
     type Solution = NystromSolution<G, K>;
 
     fn solve(&self, equation: &Equation<G, K>, _: &Everywhere) -> Result<Self::Solution, Error> {
-        match self.rule {
+        let solved = match self.rule {
             Rule::Adaptive { tolerance, most } => {
                 equation.validate()?;
                 adaptive::solve(equation, self, tolerance, most)
             }
-            _ => equation.factorise(self)?.solve(equation.source()),
-        }
+            _ => equation.factorise(self).and_then(|factors| factors.solve(equation.source())),
+        };
+        solved.map_err(|e| explained(equation, e))
     }
 }

@@ -1,6 +1,8 @@
 //! Eigenpairs, determinants and critical slabs against closed forms and published digits; adjoint functionals; the Fredholm alternative; linear
 //! algebra beyond dense LU; complex equations; further domains.
 
+mod adjoint;
+mod alternative;
 mod critical;
 mod determinants;
 mod pairs;

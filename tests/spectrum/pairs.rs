@@ -75,8 +75,8 @@ fn kinks_and_singularities() {
         let difference = 2.0 * (0.5 * (x + y)).cos() * (0.5 * (x - y)).sin();
         (y.cos() / difference.abs()).sqrt()
     });
-    let pairs = eigenpairs(&gegenbauer, &tight(1e-6), 3).unwrap();
-    holds(&pairs, &[2f64.sqrt() * PI, 2f64.sqrt() * PI / 2.0, 2f64.sqrt() * PI * 0.375], 1e-5);
+    let pairs = eigenpairs(&gegenbauer, &tight(1e-4), 3).unwrap();
+    holds(&pairs, &[2f64.sqrt() * PI, 2f64.sqrt() * PI / 2.0, 2f64.sqrt() * PI * 0.375], 1e-3);
 }
 
 #[test]

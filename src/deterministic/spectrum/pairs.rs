@@ -31,6 +31,8 @@ pub struct Eigenpair<K: Operator> {
     value: Complex<f64>,
     error: f64,
     residual: f64,
+    /// part of the error
+    rounding: f64,
     condition: f64,
     values: Vec<Complex<f64>>,
 }
@@ -101,13 +103,15 @@ pub(super) fn on_grid<K: Kernel + HasDomain + Clone>(kernel: &K, grid: Grid<K::P
         let first = mixed.map(|(_, r)| (f.left.dotc(r) / f.overlap).norm()).fold(0.0, f64::max);
         let relative = residual / f.value.norm();
         let second = f.condition * relative * relative.min(1.0) * f.value.norm();
-        let error = SAFETY * (first + second) + 8.0 * f64::EPSILON * norm * f.condition;
+        let rounding = 8.0 * f64::EPSILON * norm * f.condition;
+        let error = SAFETY * (first + second) + rounding;
         Eigenpair {
             shared: Arc::clone(&shared),
             value: f.value,
             // NaN is no error estimate
             error: if error.is_nan() { f64::INFINITY } else { error },
             residual,
+            rounding,
             condition: f.condition,
             values: f.right.iter().map(|v| v / scale).collect(),
         }
@@ -226,6 +230,11 @@ impl<K: Operator> Eigenpair<K> {
     #[must_use]
     pub fn values(&self) -> &[Complex<f64>] {
         &self.values
+    }
+
+    /// What rounding alone may do to λ.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
     }
 
     pub(super) fn grid(&self) -> &Grid<K::Point> {

@@ -16,8 +16,10 @@ use crate::value::{Value, Weight};
 const ORDER: usize = 16;
 /// Peaks of this width or more, in units of the coordinate, are tried without panels.
 const WIDE: f64 = 0.01;
-/// A tail counts as resolved below this share of the tolerance.
-const SHARE: f64 = 0.1;
+/// A tail counts as resolved below this share of the tolerance at first: eigenvalues feel its square. Then below less and less.
+const SHARE: f64 = 10.0;
+const STRICTER: f64 = 0.03;
+const STRICTEST: f64 = 1e-3;
 const ROUNDS: usize = 24;
 /// An error that falls by less than this when all panels are halved is one of rounding.
 const STAGNANT: f64 = 0.3;
@@ -37,9 +39,8 @@ pub(super) fn adaptive<K: Kernel + HasDomain + Clone>(
         return Err(Error::invalid("tolerance", tolerance, "must be positive and finite"));
     }
     let mut search = Search { kernel, tolerance, most, count, error: f64::INFINITY, largest: 0 };
-    let failure = |s: &Search<'_, K>| Error::NotConverged { error: s.error, tolerance, unknowns: s.largest };
     if kernel.domain().dimension() > 1 {
-        return search.globally()?.ok_or_else(|| failure(&search));
+        return search.globally()?.ok_or_else(|| search.failure());
     }
     let diagonal = match settings.declared {
         Some(declared) => declared,
@@ -54,7 +55,7 @@ pub(super) fn adaptive<K: Kernel + HasDomain + Clone>(
     if smooth && let Some(found) = search.globally()? {
         return Ok(found);
     }
-    search.by_panels(&segments)?.ok_or_else(|| failure(&search))
+    search.by_panels(&segments)?.ok_or_else(|| search.failure())
 }
 
 struct Search<'a, K> {
@@ -106,9 +107,22 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
             {
                 return Ok(Some(pairs));
             }
+            if last.is_some() && self.is_noise(&pairs) {
+                return Err(self.failure());
+            }
             last = Some(pairs);
         }
         Ok(None)
+    }
+
+    fn failure(&self) -> Error {
+        Error::NotConverged { error: self.error, tolerance: self.tolerance, unknowns: self.largest }
+    }
+
+    /// Whether rounding alone is above the tolerance, on any rule.
+    fn is_noise(&self, pairs: &[Eigenpair<K>]) -> bool {
+        let largest = pairs.first().map_or(1.0, |p| p.value().norm());
+        pairs.iter().any(|p| p.rounding() > self.tolerance * largest)
     }
 
     fn change(&self, coarse: &[Eigenpair<K>], fine: &[Eigenpair<K>]) -> f64 {
@@ -121,13 +135,17 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
 
     fn by_panels(&mut self, segments: &[f64]) -> Result<Option<Vec<Eigenpair<K>>>, Error> {
         let mut breaks = graded_breaks(segments, 4, 0);
-        let mut last = f64::INFINITY;
+        let (mut last, mut share) = (f64::INFINITY, SHARE);
         for _ in 0..ROUNDS {
             if !self.affordable((breaks.len() - 1) as f64 * ORDER as f64) {
                 return Ok(None);
             }
             let pairs = on_grid(self.kernel, Grid::panelled(self.kernel.domain(), breaks.clone(), ORDER)?, self.count)?;
-            let finer = self.refined(&pairs, segments);
+            if self.is_noise(&pairs) {
+                self.error_of(&pairs);
+                return Err(self.failure());
+            }
+            let mut finer = self.refined(&pairs, segments, share);
             if finer.len() > breaks.len() {
                 breaks = finer;
                 continue;
@@ -135,6 +153,14 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
             let error = self.error_of(&pairs);
             if error <= self.tolerance {
                 return Ok(Some(pairs));
+            }
+            while share > STRICTEST && finer.len() == breaks.len() {
+                share *= STRICTER;
+                finer = self.refined(&pairs, segments, share);
+            }
+            if finer.len() > breaks.len() {
+                breaks = finer;
+                continue;
             }
             if error > STAGNANT * last {
                 return Ok(None);
@@ -146,12 +172,12 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
     }
 
     /// Panels cut where the Legendre tail of an eigenfunction is too large: in the middle, at the end of a segment close to it.
-    fn refined(&self, pairs: &[Eigenpair<K>], segments: &[f64]) -> Vec<f64> {
+    fn refined(&self, pairs: &[Eigenpair<K>], segments: &[f64], share: f64) -> Vec<f64> {
         let Some(panels) = pairs.first().and_then(|p| p.grid().panels()) else { return Vec::new() };
         let mut breaks = vec![panels.breaks[0]];
         for p in 0..panels.count() {
             let (a, b) = panels.panel(p);
-            if b - a > SMALLEST && pairs.iter().any(|pair| tail(pair, panels, p, self.kernel.domain().states()) > SHARE * self.tolerance) {
+            if b - a > SMALLEST && pairs.iter().any(|pair| tail(pair, panels, p, self.kernel.domain().states()) > share * self.tolerance) {
                 match (segments.contains(&a), segments.contains(&b)) {
                     (true, false) => breaks.extend([a + QUARTER * QUARTER * (b - a), a + QUARTER * (b - a)]),
                     (false, true) => breaks.extend([b - QUARTER * (b - a), b - QUARTER * QUARTER * (b - a)]),
