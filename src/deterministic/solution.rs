@@ -135,6 +135,12 @@ where
         self.system.factor.unknowns()
     }
 
+    /// How the linear system was solved, in words.
+    #[must_use]
+    pub fn linear_algebra(&self) -> &str {
+        self.system.factor.how()
+    }
+
     /// Kernel evaluations of assembling the systems (all attempts, for an adaptive one); choosing panels and checking the answer are not counted.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
@@ -267,7 +273,8 @@ impl<G: Source, K: Operator> fmt::Debug for NystromSolution<G, K> {
 
 impl<G: Source, K: Operator> fmt::Display for NystromSolution<G, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Nyström, {} unknowns, rcond {:.1e}", self.system.factor.unknowns(), self.system.factor.rcond())?;
+        let factor = &self.system.factor;
+        write!(f, "Nyström, {} unknowns by {}, rcond {:.1e}", factor.unknowns(), factor.how(), factor.rcond())?;
         match self.error {
             Some(error) => write!(f, ", |error| ≲ {error:.1e}")?,
             None => write!(f, ", error not estimated")?,

@@ -5,4 +5,5 @@ mod adjoint;
 mod alternative;
 mod critical;
 mod determinants;
+mod linear;
 mod pairs;
