@@ -93,11 +93,12 @@ where
         let (c, domain) = (G::Value::COMPONENTS, self.system().kernel.domain());
         let mut out = DVector::zeros(c * other.nodes.len());
         for (k, n) in other.nodes.iter().enumerate() {
-            for a in 0..c {
-                out[c * k + a] = match self.system().grid.interpolate(domain, &n.point, |j| values(j, a)) {
-                    Some(v) => v,
-                    None => self.try_eval(&n.point)?.component(a),
-                };
+            match self.system().grid.stencil(domain, &n.point) {
+                Some(stencil) => (0..c).for_each(|a| out[c * k + a] = stencil.apply(|j| values(j, a))),
+                None => {
+                    let f = self.try_eval(&n.point)?;
+                    (0..c).for_each(|a| out[c * k + a] = f.component(a));
+                }
             }
         }
         Ok(out)
@@ -127,8 +128,9 @@ where
         let psi = self.system().factor.solve_transposed(&b);
         let mut out = DVector::zeros(c * other.nodes.len());
         for (k, n) in other.nodes.iter().enumerate() {
+            let stencil = self.system().grid.stencil(domain, &n.point);
             for b in 0..c {
-                let through = self.system().grid.interpolate(domain, &n.point, |j| psi[c * j + b] / nodes[j].weight);
+                let through = stencil.as_ref().map(|s| s.apply(|j| psi[c * j + b] / nodes[j].weight));
                 out[c * k + b] = through.unwrap_or_else(|| {
                     // the adjoint Nyström interpolant: columns of K
                     let column = |j: usize| {
