@@ -28,7 +28,7 @@ const COARSE: usize = 600;
 /// I − T without its matrix, and the kernel evaluations that took; `None` where the dense way is as good, or the only one.
 pub(super) fn factor<K: Kernel + HasDomain>(kernel: &K, grid: &Grid<K::Point>) -> Result<Option<(Factor, u64)>, Error> {
     let n = grid.nodes.len();
-    if components::<K>() > 1 || grid.panels().is_some() || n <= SMALL {
+    if components::<K>() > 1 || grid.panels().is_some() || grid.is_centred() || n <= SMALL {
         return Ok(None);
     }
     let rows = Rows { kernel, grid };

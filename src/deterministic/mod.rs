@@ -15,6 +15,7 @@
 mod adaptive;
 mod adjoint;
 mod alternative;
+mod axis;
 mod basis;
 mod class;
 mod coarse;

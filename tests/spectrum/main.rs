@@ -5,5 +5,6 @@ mod adjoint;
 mod alternative;
 mod critical;
 mod determinants;
+mod domains;
 mod linear;
 mod pairs;

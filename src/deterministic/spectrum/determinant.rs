@@ -86,7 +86,9 @@ pub fn determinant<K: Kernel + HasDomain>(kernel: &K, z: impl Into<Complex<f64>>
             }
             Err(Error::NotConverged { error, tolerance, unknowns: largest })
         }
-        Rule::Graded { .. } => Err(Error::invalid("Nystrom::graded", 0.0, "has no determinant: take a plain or an adaptive rule")),
+        Rule::Graded { .. } | Rule::Centred { .. } => {
+            Err(Error::invalid("Nystrom::graded", 0.0, "has no determinant, as little as a centred rule: take a plain or an adaptive one"))
+        }
     }
 }
 
