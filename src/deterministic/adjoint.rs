@@ -146,7 +146,13 @@ where
 }
 
 /// ρ = h e_a + T†ψ̃ − ψ̃, with T† as the transpose of the rule's T in L².
-fn adjoint_defect<X: crate::domain::Point>(grid: &Grid<X>, rows: &[f64], psi: &DVector<f64>, h: &impl Fn(&X) -> f64, a: usize) -> DVector<f64> {
+fn adjoint_defect<X: crate::domain::Point>(
+    grid: &Grid<X>,
+    rows: &[f64],
+    psi: &DVector<f64>,
+    h: &impl Fn(&X) -> f64,
+    a: usize,
+) -> DVector<f64> {
     let width = psi.len();
     let c = width / grid.nodes.len();
     let mut image = DVector::<f64>::zeros(width);

@@ -109,7 +109,12 @@ impl Coarse {
     }
 
     /// From Σ_{i ∈ I} Σ_{j ∈ J} T_ij over blocks of equal weights: constants on each.
-    pub(super) fn of_block_sums(n: usize, weight: f64, length: usize, sum: impl Fn((usize, usize), (usize, usize)) -> f64) -> Result<Self, Error> {
+    pub(super) fn of_block_sums(
+        n: usize,
+        weight: f64,
+        length: usize,
+        sum: impl Fn((usize, usize), (usize, usize)) -> f64,
+    ) -> Result<Self, Error> {
         let blocks = blocks(&vec![weight; n], length, 1);
         let ends = |b: &Block| (b.first, b.first + b.values.nrows());
         let entry = |i: usize, j: usize| {
@@ -194,8 +199,7 @@ mod tests {
     #[test]
     fn products_with_the_transpose_are_those() {
         let rule = composite_unit_rule(10, 8);
-        let rows: Vec<f64> =
-            rule.iter().flat_map(|x| rule.iter().map(move |y| y.weight * (x.point + 2.0 * y.point).sin() * 0.4)).collect();
+        let rows: Vec<f64> = rule.iter().flat_map(|x| rule.iter().map(move |y| y.weight * (x.point + 2.0 * y.point).sin() * 0.4)).collect();
         let layout = Layout { weights: rule.iter().map(|n| n.weight).collect(), components: 1 };
         let m = Coarse::of_rows(&rows, &layout).unwrap();
         let (u, v) = (DVector::from_fn(80, |i, _| (i as f64).cos()), DVector::from_fn(80, |i, _| 1.0 / (1.0 + i as f64)));

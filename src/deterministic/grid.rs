@@ -289,7 +289,11 @@ fn between(breaks: &[f64], finite: bool) -> Vec<f64> {
 /// Refuses systems that would not fit.
 pub(crate) fn check_size(unknowns: f64) -> Result<(), Error> {
     if unknowns > MOST_UNKNOWNS as f64 {
-        return Err(Error::invalid("unknowns", unknowns, "must be at most 16384, a dense system taking 8 n² bytes, unless K has low rank or is one of x − y on uniform nodes"));
+        return Err(Error::invalid(
+            "unknowns",
+            unknowns,
+            "must be at most 16384, a dense system taking 8 n² bytes, unless K has low rank or is one of x − y on uniform nodes",
+        ));
     }
     Ok(())
 }

@@ -270,7 +270,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Lower bound of ‖B‖₁ from products with B and Bᵀ.
-pub(super) fn norm_estimate(n: usize, apply: impl Fn(&DVector<f64>) -> DVector<f64>, transposed: impl Fn(&DVector<f64>) -> DVector<f64>) -> f64 {
+pub(super) fn norm_estimate(
+    n: usize,
+    apply: impl Fn(&DVector<f64>) -> DVector<f64>,
+    transposed: impl Fn(&DVector<f64>) -> DVector<f64>,
+) -> f64 {
     let mut x = DVector::from_element(n, 1.0 / n as f64);
     let mut estimate = 0.0;
     let mut last = usize::MAX;

@@ -91,7 +91,8 @@ fn flux(thickness: f64, tolerance: f64) -> Result<Eigenpair<Slab>, Error> {
     let slab = Slab::new(thickness).scattering(1.0);
     slab.validate()?;
     let pairs = eigenpairs(&slab, &Nystrom::adaptive().tolerance(tolerance), 1)?;
-    let [flux] = <[_; 1]>::try_from(pairs).map_err(|_| Error::invalid("slab thickness", thickness, "is too small: the eigenvalue underflows"))?;
+    let [flux] =
+        <[_; 1]>::try_from(pairs).map_err(|_| Error::invalid("slab thickness", thickness, "is too small: the eigenvalue underflows"))?;
     Ok(flux)
 }
 

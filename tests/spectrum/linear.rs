@@ -86,7 +86,10 @@ fn refusals() {
     assert!(matches!(endless, Err(Error::Invalid { parameter: "unknowns", .. })));
     // 1 in the spectrum: constants
     let singular = Equation::on_interval(0.0..=1.0, |_| 1.0, |_, _| 1.0).solve(&Nystrom::composite(5000, 1));
-    assert!(matches!(&singular, Err(Error::Singular { alternative: Some(a), .. }) if a.null.len() == 1 && !a.is_solvable()), "{singular:?}");
+    assert!(
+        matches!(&singular, Err(Error::Singular { alternative: Some(a), .. }) if a.null.len() == 1 && !a.is_solvable()),
+        "{singular:?}"
+    );
     // infinite on the diagonal, and off it
     let log = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, y: f64| (x - y).abs().ln());
     assert!(matches!(log.solve(&Nystrom::composite(5000, 1)), Err(Error::NonFiniteKernel { .. })));

@@ -65,7 +65,8 @@ pub fn determinant<K: Kernel + HasDomain>(kernel: &K, z: impl Into<Complex<f64>>
     match settings.rule {
         Rule::Plain { panels, order } => {
             let (fine, rounding, unknowns) = at(panels, order)?;
-            let (coarse, ..) = if order > 1 { at(panels, (3 * order).div_ceil(4).min(order - 1))? } else { at((3 * panels).div_ceil(4), 1)? };
+            let (coarse, ..) =
+                if order > 1 { at(panels, (3 * order).div_ceil(4).min(order - 1))? } else { at((3 * panels).div_ceil(4), 1)? };
             finite(Determinant { value: fine, error: SLOW * (fine - coarse).norm() + rounding, unknowns })
         }
         Rule::Adaptive { tolerance, most } => {

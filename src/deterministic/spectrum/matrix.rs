@@ -130,7 +130,9 @@ impl Matrix {
         let n = self.unknowns();
         let identity = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
         match self {
-            Matrix::Real(a) if z.im == 0.0 => Lu::new(DMatrix::from_fn(n, n, |i, j| identity(i, j) - z.re * a[(i, j)])).determinant().into(),
+            Matrix::Real(a) if z.im == 0.0 => {
+                Lu::new(DMatrix::from_fn(n, n, |i, j| identity(i, j) - z.re * a[(i, j)])).determinant().into()
+            }
             _ => DMatrix::from_fn(n, n, |i, j| Complex::from(identity(i, j)) - z * self.entry(i, j)).lu().determinant(),
         }
     }

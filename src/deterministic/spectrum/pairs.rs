@@ -279,7 +279,13 @@ impl<K: Kernel + HasDomain> Eigenpair<K> {
     #[must_use]
     pub fn norm_squared(&self) -> f64 {
         let m = fields::<K>();
-        self.shared.grid.nodes.iter().zip(self.values.chunks_exact(m)).map(|(n, phi)| n.weight * phi.iter().map(|v| v.norm_sqr()).sum::<f64>()).sum()
+        self.shared
+            .grid
+            .nodes
+            .iter()
+            .zip(self.values.chunks_exact(m))
+            .map(|(n, phi)| n.weight * phi.iter().map(|v| v.norm_sqr()).sum::<f64>())
+            .sum()
     }
 }
 

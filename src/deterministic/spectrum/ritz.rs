@@ -28,8 +28,7 @@ pub(super) fn leading<T: ComplexField<RealField = f64>>(
 ) -> Option<Vec<Complex<f64>>> {
     let n = a.nrows();
     let mut random = Pcg::default().point(u64::MAX - 5, 0, 0);
-    let mut block: Vec<DVector<T>> =
-        (0..count + SPARE).map(|_| DVector::from_fn(n, |_, _| T::from_real(random.next_1d() - 0.5))).collect();
+    let mut block: Vec<DVector<T>> = (0..count + SPARE).map(|_| DVector::from_fn(n, |_, _| T::from_real(random.next_1d() - 0.5))).collect();
     let (mut basis, mut images): (Vec<DVector<T>>, Vec<DVector<T>>) = (Vec::new(), Vec::new());
     let mut last: Option<Vec<Complex<f64>>> = None;
     while basis.len() + block.len() <= MOST.min(n) {

@@ -197,7 +197,9 @@ fn tail<K: Operator + Kernel>(pair: &Eigenpair<K>, panels: &Panels, p: usize, st
     for state in 0..states {
         let first = (state * panels.count() + p) * n;
         for field in 0..m {
-            let values = |part: fn(&nalgebra::Complex<f64>) -> f64| -> Vec<f64> { (first..first + n).map(|j| part(&pair.values()[j * m + field])).collect() };
+            let values = |part: fn(&nalgebra::Complex<f64>) -> f64| -> Vec<f64> {
+                (first..first + n).map(|j| part(&pair.values()[j * m + field])).collect()
+            };
             worst = worst.max(panels.basis.tail(&values(|z| z.re))).max(panels.basis.tail(&values(|z| z.im)));
         }
     }
