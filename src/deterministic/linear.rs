@@ -17,8 +17,8 @@ use super::coarse::{Coarse, Layout};
 use super::krylov::gmres;
 use super::low_rank::Woodbury;
 use super::lu::Lu;
+use super::stored::Stored;
 use crate::error::Error;
-use crate::parallel;
 use nalgebra::{DMatrix, DVector};
 use std::fmt::Debug;
 use std::sync::{Arc, OnceLock};
@@ -96,13 +96,13 @@ impl Factor {
         if n <= DENSE {
             return Factor::identity_minus(rows, n);
         }
-        let map = Arc::new(Stored { rows, n });
+        let map = Arc::new(Stored::new(rows, n));
         // a coarse system may be singular where the fine one is not
-        let iterative = Coarse::of_rows(&map.rows, layout).and_then(|coarse| Factor::iterative(map.clone(), coarse, n, "GMRES"));
+        let iterative = Coarse::of_rows(map.rows(), layout).and_then(|coarse| Factor::iterative(map.clone(), coarse, n, "GMRES"));
         match iterative {
             Ok(factor) => Ok(factor),
             // in the same memory: two copies of the matrix might not fit
-            Err(_) => Factor::identity_minus(Arc::try_unwrap(map).map_err(|_| Error::NonFiniteSolution { unknowns: n })?.rows, n),
+            Err(_) => Factor::identity_minus(Arc::try_unwrap(map).map_err(|_| Error::NonFiniteSolution { unknowns: n })?.into_rows(), n),
         }
     }
 
@@ -224,49 +224,6 @@ fn changed(b: &DVector<f64>, solve: impl Fn(&mut DVector<f64>)) -> DVector<f64> 
     let mut x = b.clone();
     solve(&mut x);
     x
-}
-
-/// A matrix, row by row.
-struct Stored {
-    rows: Vec<f64>,
-    n: usize,
-}
-
-impl Debug for Stored {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Stored").field("n", &self.n).finish_non_exhaustive()
-    }
-}
-
-/// Columns that one task of a transposed product sums up.
-const STRIP: usize = 1024;
-
-impl LinearMap for Stored {
-    fn apply(&self, v: &DVector<f64>) -> DVector<f64> {
-        let dot = |i: usize| dot(&self.rows[i * self.n..(i + 1) * self.n], v.as_slice());
-        DVector::from_vec(parallel::map(self.n, dot))
-    }
-
-    fn apply_transposed(&self, v: &DVector<f64>) -> DVector<f64> {
-        let mut sums = DVector::zeros(self.n);
-        parallel::chunks(sums.as_mut_slice(), STRIP, |strip, sums| {
-            for (row, v) in self.rows.chunks_exact(self.n).zip(v) {
-                sums.iter_mut().zip(&row[strip * STRIP..]).for_each(|(s, t)| *s += t * v);
-            }
-        });
-        sums
-    }
-}
-
-/// Eight sums at once, in an order of its own on every machine.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0f64; 8];
-    let (heads, tails) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = heads.remainder().iter().zip(tails.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in heads.zip(tails) {
-        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 /// Lower bound of ‖B‖₁ from products with B and Bᵀ.

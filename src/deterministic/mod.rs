@@ -38,6 +38,7 @@ mod refine;
 mod solution;
 mod spectrum;
 mod split;
+mod stored;
 mod toeplitz;
 mod variance;
 mod verify;

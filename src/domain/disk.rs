@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// use fredholm::{domain::{Disk, Domain}, Equation, deterministic::Nystrom};
 /// let disk = Disk::unit();
 /// assert!((disk.volume() - std::f64::consts::PI).abs() < 1e-15 && !disk.contains(&[0.8, 0.8]));
-/// // f = 1 + ¼ ∫ f/|x − y| … is singular on the diagonal
+/// // f = 1 − 0.1 ∫ f/|x − y|
 /// let distance = |x: &[f64; 2], y: &[f64; 2]| (x[0] - y[0]).hypot(x[1] - y[1]);
 /// let eq = Equation::on_domain(disk, |_| 1.0, move |x, y| -0.1 / distance(x, y));
 /// let f = eq.solve(&Nystrom::centred(10))?;
@@ -50,7 +50,7 @@ impl Disk {
         [self.centre[0] + r * angle.cos(), self.centre[1] + r * angle.sin()]
     }
 
-    fn from_centre(&self, x: &[f64; 2]) -> f64 {
+    fn off_centre(&self, x: &[f64; 2]) -> f64 {
         (x[0] - self.centre[0]).hypot(x[1] - self.centre[1])
     }
 }
@@ -75,7 +75,7 @@ impl Domain for Disk {
 
     fn contains(&self, x: &[f64; 2]) -> bool {
         // a point placed on the edge may lie beyond it by rounding
-        self.from_centre(x) <= self.radius * (1.0 + 4.0 * f64::EPSILON)
+        self.off_centre(x) <= self.radius * (1.0 + 4.0 * f64::EPSILON)
     }
 
     fn dimension(&self) -> usize {
@@ -105,7 +105,7 @@ impl Domain for Disk {
 
     fn coordinate(&self, x: &[f64; 2], axis: usize) -> f64 {
         if axis == 0 {
-            return (self.from_centre(x) / self.radius).min(1.0);
+            return (self.off_centre(x) / self.radius).min(1.0);
         }
         let turn = (x[1] - self.centre[1]).atan2(x[0] - self.centre[0]) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
@@ -114,7 +114,7 @@ impl Domain for Disk {
     /// Polar coordinates around x: ρ = ρ_max s³, so that ρ ln ρ and whatever else is integrable in the plane becomes smooth enough, and panels of angles
     /// towards the two tangents, where ρ_max changes quickly for x near the edge.
     fn around(&self, x: &[f64; 2], order: usize) -> Option<Vec<Node<[f64; 2]>>> {
-        let d = self.from_centre(x).min(self.radius);
+        let d = self.off_centre(x).min(self.radius);
         let outward = if d > 0.0 { (x[1] - self.centre[1]).atan2(x[0] - self.centre[0]) } else { 0.0 };
         let gap = (1.0 - d / self.radius).max(1e-12).sqrt();
         let mut breaks = vec![0.0];

@@ -15,8 +15,8 @@ use crate::error::Error;
 /// ```
 /// use fredholm::{domain::{Domain, Line}, Equation, deterministic::Nystrom};
 /// assert_eq!(Line::new().volume(), f64::INFINITY);
-/// // ½ e^{−|x − y|} with g = e^{−|x|}/2, weighed by ¾: f = e^{−|x|/2}
-/// let eq = Equation::on_domain(Line::new(), |x: &f64| 0.5 * (-x.abs()).exp() * 2.0, |x, y| 0.375 * (-(x - y).abs()).exp());
+/// // f = e^{−|x|} + ⅜ ∫ e^{−|x − y|} f = 2 e^{−|x|/2}
+/// let eq = Equation::on_domain(Line::new(), |x: &f64| (-x.abs()).exp(), |x, y| 0.375 * (-(x - y).abs()).exp());
 /// let f = eq.solve(&Nystrom::adaptive().tolerance(1e-9).breakpoints(&[0.0]))?;
 /// assert!((f.eval(1.0) - 2.0 * (-0.5f64).exp()).abs() < 1e-8);
 /// # Ok::<(), fredholm::Error>(())

@@ -74,7 +74,7 @@ fn airy(x: f64) -> (f64, f64) {
         let scale = (-zeta).exp() / PI;
         return (scale * a, -scale * (root * a + b / (2.0 * root)));
     }
-    let (c1, c2) = (0.355_028_053_887_817_24, 0.258_819_403_792_806_8);
+    let (c1, c2) = (0.355_028_053_887_817_2, 0.258_819_403_792_806_8);
     let (mut f, mut g, mut df, mut dg) = (1.0, x, 0.0, 1.0);
     let (mut tf, mut tg) = (1.0, x);
     for k in 1..80 {
