@@ -1,5 +1,7 @@
 //! Everything that can go wrong, with the numbers.
 
+use crate::deterministic::Alternative;
+
 /// Why an equation was not solved. Every message names the parameter or the place and its value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -124,12 +126,17 @@ pub enum Error {
         uncertainty: f64,
     },
     /// I − T has (numerically) no inverse.
-    #[error("the equation is singular to working precision: reciprocal condition number {rcond:.1e} with {unknowns} unknowns")]
+    #[error(
+        "the equation is singular to working precision: reciprocal condition number {rcond:.1e} with {unknowns} unknowns{}",
+        alternative.as_ref().map_or_else(String::new, |a| format!("; {a}"))
+    )]
     Singular {
         /// Estimated reciprocal condition number.
         rcond: f64,
         /// Size of the linear system.
         unknowns: usize,
+        /// Null functions of I − T and the condition of solvability, where a source was at hand.
+        alternative: Option<Box<Alternative>>,
     },
     /// Sums of finite values overflow.
     #[error("the solution of {unknowns} unknowns is not finite: values of source or kernel are too large to be added")]

@@ -64,6 +64,7 @@
 //! «theory (4.2.1)» in comments numbers the formulas; each file that uses one states it.
 
 pub mod check;
+mod complex;
 pub mod detector;
 pub mod deterministic;
 pub mod domain;
@@ -87,6 +88,7 @@ pub mod walk;
 pub use equation::{ClosureEquation, Equation, Everywhere, IntervalEquation, Method, Query};
 pub use error::Error;
 pub use integral::Integral;
+pub use nalgebra::Complex;
 pub use statistics::Estimate;
 pub use value::{GroupMatrix, Spectrum, Value, Weight};
 pub use walk::Walk;

@@ -5,6 +5,7 @@
 //! | `f64` | `f64` | scalar equations |
 //! | [`Spectrum<N>`] | [`Spectrum<N>`], acting diagonally | colours, independent wavelengths |
 //! | [`Spectrum<G>`] | [`GroupMatrix<G>`], acting fully | multigroup transport, systems |
+//! | [`Complex<f64>`](crate::Complex) | [`Complex<f64>`](crate::Complex) | waves: oscillating kernels, Fox–Li resonators |
 //!
 //! A walk multiplies weights from the left, `W_{n+1} = W_n K(X_n, X_{n+1}) / π` (theory (4.1.5)): for matrices the order matters
 //! and [`Weight::then`] keeps it.
@@ -20,6 +21,8 @@ pub trait Value: Copy + Debug + PartialEq + Send + Sync + 'static + Add<Output =
     const ZERO: Self;
     /// Number of real components.
     const COMPONENTS: usize;
+    /// Whether components are pairs of a real and an imaginary part, and weights linear in complex numbers.
+    const COMPLEX: bool = false;
 
     /// Component `i`, `0 ≤ i < COMPONENTS`.
     fn component(&self, i: usize) -> f64;

@@ -26,6 +26,8 @@ pub(crate) fn all(statement: &Statement, options: &Options) -> Vec<Outcome> {
         Statement::Interval(s) => each(s, options),
         Statement::HalfLine(s) => each(s, options),
         Statement::System(s) => each(s, options),
+        Statement::Line(s) => each(s, options),
+        Statement::Disk(s) => each(s, options),
         Statement::Box2(s) => each(s, options),
         Statement::Box3(s) => each(s, options),
         _ => refuse_all(options),

@@ -16,6 +16,7 @@ mod deterministic;
 mod options;
 mod plot;
 mod report;
+mod spectrum;
 mod walks;
 
 use fredholm::Error;
@@ -64,6 +65,16 @@ fn run(options: &Options) -> Result<Tally, String> {
                 }
             }
             Err(e @ Error::Formula(_)) => {
+                if !options.deterministic.is_empty()
+                    && let Some(found) = spectrum::lines(&name, path, options)
+                {
+                    for line in found {
+                        line.print(&judge);
+                        tally.count(&line, &judge);
+                        lines.push(line);
+                    }
+                    continue;
+                }
                 println!("{name:<44} refused: {e}");
                 tally.not_stated += 1;
             }
@@ -124,6 +135,8 @@ fn solve(name: &str, problem: &Problem, options: &Options) -> Vec<Line> {
         Statement::Interval(s) => walks::on_a_line(s, options),
         Statement::HalfLine(s) => walks::on_a_line(s, options),
         Statement::System(s) => walks::on_a_line(s, options),
+        Statement::Line(s) => walks::on_a_line(s, options),
+        Statement::Disk(s) => walks::in_a_box(s, options),
         Statement::Box2(s) => walks::in_a_box(s, options),
         Statement::Box3(s) => walks::in_a_box(s, options),
         Statement::Box8(s) => walks::in_a_box(s, options),

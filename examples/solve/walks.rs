@@ -2,7 +2,7 @@
 
 use crate::options::{Options, WalkMethod};
 use crate::report::{Comparison, Outcome};
-use fredholm::domain::{Cuboid, Domain};
+use fredholm::domain::Domain;
 use fredholm::formula::{KernelText, SourceText, Stated};
 use fredholm::kernel::{
     Absorbing, HasDomain, Kernel, KernelFn, Operator, Proposed, Radius, RowMass, Series, Tabulated, Transition, TransitionPdf, Uniform,
@@ -76,7 +76,7 @@ fn guided<D: Domain>(stated: &Stated<D>, cells: usize) -> Result<(Guided<'_, D>,
 }
 
 /// Every walk asked for, with uniform proposals.
-pub(crate) fn in_a_box<const D: usize>(stated: &Stated<Cuboid<D>>, options: &Options) -> Vec<Outcome> {
+pub(crate) fn in_a_box<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
     let eq = stated.equation();
     let spread = squared(eq.kernel(), |_| 1.0);
     let runner = Runner { stated, options };

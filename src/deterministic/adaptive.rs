@@ -54,19 +54,30 @@ where
     let segments = settings.segments(equation.kernel().domain())?;
     let mut search = Search { equation, tolerance, most, evaluations: 0, error: f64::INFINITY, largest: 0 };
     if equation.kernel().domain().dimension() > 1 {
-        return search.globally()?.ok_or_else(|| search.failure());
+        let tensor = search.globally(|domain, order| Grid::plain(domain, 1, order));
+        let centred = equation.kernel().domain().around(&any_place(equation.kernel().domain()), 1).is_some();
+        let found = match tensor {
+            // singular on the diagonal, or a kink there
+            Ok(None) | Err(Error::NonFiniteKernel { .. }) if centred => search.globally(Grid::centred)?,
+            other => other?,
+        };
+        return found.ok_or_else(|| search.failure());
     }
     let class = classify(equation.kernel())?;
     let segments = joined(segments, jumps(equation));
     let diagonal = settings.declared.unwrap_or(class.diagonal);
     let smooth = segments.len() == 2 && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
-    let found = match if smooth { search.globally()? } else { None } {
+    let found = match if smooth { search.globally(|domain, order| Grid::plain(domain, 1, order))? } else { None } {
         Some(found) => found,
         None => search.by_panels(&segments)?.ok_or_else(|| search.failure())?,
     };
     let contradicted = !diagonal.is_like(class.diagonal);
     let warning = contradicted.then(|| format!("declared: {diagonal}; values look like: {}", class.diagonal));
     Ok(found.with_class(class, warning))
+}
+
+fn any_place<D: Domain>(domain: &D) -> D::Point {
+    domain.place(0, || 0.5).point
 }
 
 /// A jump this close to a declared one is that one, found more exactly.
@@ -123,7 +134,10 @@ where
         Ok(verdict)
     }
 
-    fn globally(&mut self) -> Result<Option<NystromSolution<G, K>>, Error> {
+    fn globally(
+        &mut self,
+        rule: impl Fn(&K::Domain, usize) -> Result<Grid<K::Point>, Error>,
+    ) -> Result<Option<NystromSolution<G, K>>, Error> {
         let dimension = self.domain().dimension();
         let orders: &[usize] = match dimension {
             1 => &[12, 24, 48, 96, 192],
@@ -136,7 +150,7 @@ where
             if !self.affordable((order as f64).powi(dimension as i32)) {
                 break;
             }
-            let fine = match self.attempt(Grid::plain(self.domain(), 1, order)?) {
+            let fine = match self.attempt(rule(self.domain(), order)?) {
                 // singular on the diagonal: panels never evaluate it there
                 Err(Error::NonFiniteKernel { .. }) if dimension == 1 => return Ok(None),
                 Err(Error::Singular { .. }) if order != orders[orders.len() - 1] => continue,

@@ -1,5 +1,7 @@
 //! I − T on the nodes of a rule, factorised once for many sources.
 
+use super::coarse::Layout;
+use super::fast;
 use super::grid::Grid;
 use super::linear::Factor;
 use super::nystrom::Nystrom;
@@ -44,16 +46,20 @@ pub(super) struct System<K: Operator> {
 
 impl<K: Kernel + HasDomain + Clone> Factorised<K> {
     pub(super) fn on_grid(kernel: &K, grid: Grid<K::Point>) -> Result<Self, Error> {
-        let (matrix, evaluations) = grid.matrix(kernel)?;
-        let unknowns = grid.nodes.len() * super::near::components::<K>();
-        let factor = Factor::identity_minus(matrix, unknowns)?;
+        let (factor, evaluations) = match fast::factor(kernel, &grid)? {
+            Some(found) => found,
+            None => {
+                let (matrix, evaluations) = grid.matrix(kernel)?;
+                (Factor::of_rows(matrix, &Layout::of(&grid, super::near::components::<K>()))?, evaluations)
+            }
+        };
         Ok(Factorised { system: Arc::new(System { kernel: kernel.clone(), grid, factor, evaluations }) })
     }
 
     /// f for one more source.
     ///
     /// # Errors
-    /// [`Error::NonFiniteSource`] with the place; [`Error::NonFiniteSolution`].
+    /// [`Error::NonFiniteSource`] with the place; [`Error::NonFiniteSolution`]; [`Error::NotConverged`] with the relative residual of the linear system.
     pub fn solve<G>(&self, source: &G) -> Result<NystromSolution<G, K>, Error>
     where
         G: Source<Point = K::Point> + Clone,
@@ -70,7 +76,7 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
             }
             (0..c).for_each(|a| b[c * i + a] = g.component(a));
         }
-        let f = self.system.factor.solve(&b);
+        let f = self.system.factor.try_solve(&b)?;
         if f.iter().any(|v| !v.is_finite()) {
             return Err(Error::NonFiniteSolution { unknowns: f.len() });
         }
@@ -84,6 +90,23 @@ impl<K: Operator> Factorised<K> {
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.system.factor.unknowns()
+    }
+
+    /// How the linear system is solved, in words: LU while it is fast, then FFT, low rank or GMRES, as the kernel allows.
+    ///
+    /// ```
+    /// use fredholm::{Equation, deterministic::Nystrom};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y: f64| 0.5 * f64::exp(-(x - y).abs()));
+    /// assert_eq!(eq.factorise(&Nystrom::gauss_legendre(8))?.linear_algebra(), "LU");
+    /// let many = eq.factorise(&Nystrom::composite(50_000, 1))?;            // midpoints: K of x − y on uniform nodes
+    /// assert!(many.linear_algebra().starts_with("FFT and GMRES"));
+    /// let f = many.solve(eq.source())?;
+    /// assert!((f.eval(0.5) - 1.625).abs() < 1e-9);
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    #[must_use]
+    pub fn linear_algebra(&self) -> &str {
+        self.system.factor.how()
     }
 
     /// Estimated reciprocal condition number, 1-norm.

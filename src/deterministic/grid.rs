@@ -1,5 +1,6 @@
 //! Nodes of a quadrature rule on a domain, and rows of the operator on them.
 
+use super::axis::Axis;
 use super::basis::Basis;
 use super::near::{Target, components, nearer_end};
 use crate::domain::{Domain, Node, Point};
@@ -10,6 +11,8 @@ use crate::value::Weight;
 
 /// Largest dense system that is tried: 8 n² bytes.
 const MOST_UNKNOWNS: usize = 16_384;
+/// Most nodes of a rule whose matrix is never formed.
+const MOST_NODES: usize = 1 << 22;
 
 /// Nodes y_j with weights w_j, ∫ φ dμ ≈ Σ w_j φ(y_j); with panels, rows near the diagonal come from product integration.
 #[derive(Clone, Debug)]
@@ -17,7 +20,9 @@ pub(crate) struct Grid<X> {
     pub(crate) nodes: Vec<Node<X>>,
     panels: Option<Panels>,
     /// of each coordinate, where the rule is a single tensor product
-    tensor: Option<Basis>,
+    tensor: Option<Vec<Axis>>,
+    /// order of the rules around x by which rows are integrated
+    centred: Option<usize>,
 }
 
 /// Panels of the map's coordinate; nodes are ordered state by state, panel by panel.
@@ -66,8 +71,27 @@ impl<X: Point> Grid<X> {
             }
         }
         let unknowns = ((panels as f64) * order as f64).powi(domain.dimension() as i32) * domain.states() as f64;
-        check_size(unknowns)?;
-        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor: (panels == 1).then(|| Basis::gauss(order)) })
+        if unknowns > MOST_NODES as f64 || (panels == 1 && order > MOST_UNKNOWNS) {
+            return Err(Error::invalid("unknowns", unknowns, "must be at most 4194304, and the order of a rule at most 16384"));
+        }
+        let axis = |a: usize| if domain.is_periodic(a) { Axis::Trapezoid(order) } else { Axis::Gauss(Box::new(Basis::gauss(order))) };
+        let tensor = (panels == 1).then(|| (0..domain.dimension()).map(axis).collect());
+        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor, centred: None })
+    }
+
+    /// The domain's tensor rule, with rows by rules around x.
+    pub(crate) fn centred<D: Domain<Point = X>>(domain: &D, order: usize) -> Result<Self, Error> {
+        let grid = Grid::plain(domain, 1, order)?;
+        if domain.around(&grid.nodes[0].point, 1).is_none() {
+            let why = "has no rules around a point: take a graded or adaptive one on a line; disks have them";
+            return Err(Error::invalid("Nystrom::centred", order as f64, why));
+        }
+        Ok(Grid { centred: Some(order), ..grid })
+    }
+
+    /// Whether rows are integrated around x, whatever K does there.
+    pub(crate) fn is_centred(&self) -> bool {
+        self.centred.is_some()
     }
 
     /// Gauss–Legendre nodes of `order` on every panel of a one-dimensional domain; `breaks` ascend from 0 to 1.
@@ -91,7 +115,21 @@ impl<X: Point> Grid<X> {
             }
         }
         let pieces = Basis::gauss(order.max(16));
-        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None })
+        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None, centred: None })
+    }
+
+    /// A rule for the same domain that shares neither nodes nor order with this one.
+    pub(crate) fn independent<D: Domain<Point = X>>(&self, domain: &D) -> Result<Self, Error> {
+        if let Some(p) = &self.panels {
+            return Grid::panelled(domain, between(&p.breaks, domain.volume().is_finite()), p.basis.len() + 3);
+        }
+        let per_axis = (self.nodes.len() as f64 / domain.states() as f64).powf(1.0 / domain.dimension().max(1) as f64);
+        match domain.dimension() {
+            // towards the diagonal as well: a kink that the solve does not see must not hide here
+            1 => Grid::panelled(domain, vec![0.0, 0.27, 0.55, 0.81, 1.0], (per_axis / 3.0).ceil() as usize + 7),
+            _ if self.is_centred() => Grid::centred(domain, per_axis.round() as usize + 3),
+            _ => Grid::plain(domain, 1, per_axis.round() as usize + 3),
+        }
     }
 
     pub(crate) fn panels(&self) -> Option<&Panels> {
@@ -110,11 +148,9 @@ impl<X: Point> Grid<X> {
             panels.basis.values((t - a) / (b - a), &mut weights);
             return Some(Stencil { first: first + p * weights.len(), weights });
         }
-        let axis = self.tensor.as_ref()?;
-        let n = axis.len();
         let mut weights = vec![1.0];
-        let mut factors = vec![0.0; n];
-        for a in 0..domain.dimension() {
+        for (a, axis) in self.tensor.as_ref()?.iter().enumerate() {
+            let mut factors = vec![0.0; axis.len()];
             axis.values(domain.coordinate(x, a), &mut factors);
             // the first coordinate runs fastest, as in `Domain::rule`
             weights = factors.iter().flat_map(|l| weights.iter().map(move |w| w * l)).collect();
@@ -127,6 +163,9 @@ impl<X: Point> Grid<X> {
     where
         K: Kernel<Point = X> + HasDomain,
     {
+        if let Some(order) = self.centred {
+            return self.around(kernel, x, order, out);
+        }
         let Some(panels) = &self.panels else {
             self.far(kernel, x, 0, self.nodes.len(), out)?;
             return Ok(self.nodes.len() as u64);
@@ -150,6 +189,29 @@ impl<X: Point> Grid<X> {
             }
         }
         Ok(evaluations)
+    }
+
+    /// ∫ K(x, y) ℓ_j(y) dμ(y) by a rule around x.
+    fn around<K>(&self, kernel: &K, x: &X, order: usize, out: &mut [f64]) -> Result<u64, Error>
+    where
+        K: Kernel<Point = X> + HasDomain,
+    {
+        let (domain, c, n) = (kernel.domain(), components::<K>(), self.nodes.len());
+        out.fill(0.0);
+        let rule = domain.around(x, order).unwrap_or_default();
+        for y in &rule {
+            let k = kernel.eval(x, &y.point);
+            if !k.entries_finite() {
+                return Err(Error::non_finite_kernel(x, &y.point, &k));
+            }
+            let Some(stencil) = self.stencil(domain, &y.point) else { continue };
+            for (l, weight) in stencil.weights.iter().enumerate() {
+                for e in 0..c * c {
+                    out[((e / c) * n + stencil.first + l) * c + e % c] += y.weight * weight * k.entry(e / c, e % c);
+                }
+            }
+        }
+        Ok(rule.len() as u64)
     }
 
     fn far<K: Kernel<Point = X>>(&self, kernel: &K, x: &X, first: usize, count: usize, out: &mut [f64]) -> Result<(), Error> {
@@ -203,10 +265,35 @@ fn add_panel<D: Domain>(domain: &D, state: usize, (a, b): (f64, f64), basis: &Ba
     nodes[first..].iter_mut().zip(&weights).for_each(|(n, w)| n.weight *= w * (b - a));
 }
 
+/// The same breaks with one more near the middle of every third panel, so that panels and nodes differ, and two more in the shortest panels around:
+/// there f is singular, and more nodes on the same panel would make the same error again.
+fn between(breaks: &[f64], finite: bool) -> Vec<f64> {
+    let length = |i: usize| breaks.get(i + 1).map_or(f64::INFINITY, |b| b - breaks[i]);
+    let mut out = vec![breaks[0]];
+    for (i, ends) in breaks.windows(2).enumerate() {
+        let (a, h) = (ends[0], ends[1] - ends[0]);
+        let before = if i == 0 { f64::INFINITY } else { length(i - 1) };
+        // nothing is singular at infinity
+        let inside = finite || i + 2 < breaks.len();
+        // equal up to rounding counts as shortest
+        if inside && h <= 1.001 * before.min(length(i + 1)) && (h < 0.9 * before.max(length(i + 1)) || breaks.len() < 4) {
+            out.extend([a + 0.09 * h, a + 0.91 * h]);
+        } else if i % 3 == 0 {
+            out.push(a + 0.46 * h);
+        }
+        out.push(ends[1]);
+    }
+    out
+}
+
 /// Refuses systems that would not fit.
 pub(crate) fn check_size(unknowns: f64) -> Result<(), Error> {
     if unknowns > MOST_UNKNOWNS as f64 {
-        return Err(Error::invalid("unknowns", unknowns, "must be at most 16384: a dense system of n unknowns takes 8 n² bytes"));
+        return Err(Error::invalid(
+            "unknowns",
+            unknowns,
+            "must be at most 16384, a dense system taking 8 n² bytes, unless K has low rank or is one of x − y on uniform nodes",
+        ));
     }
     Ok(())
 }

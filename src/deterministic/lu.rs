@@ -43,6 +43,13 @@ impl Lu {
         (0..self.unknowns()).all(|i| self.factors[(i, i)] != 0.0)
     }
 
+    /// det A; 0 or infinite where it leaves the range of floating-point numbers.
+    pub(crate) fn determinant(&self) -> f64 {
+        let exchanges = self.pivots.iter().enumerate().filter(|(i, p)| i != *p).count();
+        let sign = if exchanges.is_multiple_of(2) { 1.0 } else { -1.0 };
+        (0..self.unknowns()).fold(sign, |product, i| product * self.factors[(i, i)])
+    }
+
     /// x ← A⁻¹ x.
     pub(crate) fn solve(&self, x: &mut DVector<f64>) {
         self.pivots.iter().enumerate().for_each(|(i, p)| x.swap_rows(i, *p));

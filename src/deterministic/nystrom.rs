@@ -10,6 +10,7 @@
 //! and keeps its order for kinks, jumps, logarithms and mild algebraic singularities.
 
 use super::adaptive;
+use super::alternative::explained;
 use super::class::Diagonal;
 use super::grid::Grid;
 use super::solution::NystromSolution;
@@ -27,6 +28,7 @@ use crate::value::Weight;
 /// | [`gauss_legendre`](Nystrom::gauss_legendre) | smooth K and g | any, few dimensions |
 /// | [`composite`](Nystrom::composite) | smooth, peaked, oscillatory | any, few dimensions |
 /// | [`graded`](Nystrom::graded) | kink, jump, log, \|x − y\|^{−α}, any peak on the diagonal; end singularities of f | one-dimensional, times groups |
+/// | [`centred`](Nystrom::centred) | singularities and kinks at y = x in the plane | [`Disk`](crate::domain::Disk) |
 /// | [`adaptive`](Nystrom::adaptive) | when you would rather state a tolerance | any, few dimensions |
 ///
 /// ```
@@ -48,6 +50,7 @@ pub struct Nystrom {
 pub(super) enum Rule {
     Plain { panels: usize, order: usize },
     Graded { panels: usize, order: usize, levels: usize },
+    Centred { order: usize },
     Adaptive { tolerance: f64, most: usize },
 }
 
@@ -81,6 +84,12 @@ impl Nystrom {
     /// with product integration towards y = x. About (panels + 32) · order unknowns on an interval.
     pub fn graded(panels: usize, order: usize) -> Self {
         Nystrom::new(Rule::Graded { panels, order, levels: LEVELS })
+    }
+
+    /// `n` nodes along each coordinate of a domain that has rules around a point ([`Domain::around`]), by which rows are integrated: log|x − y|, 1/|x − y| and
+    /// kinks at y = x lose none of the order.
+    pub fn centred(n: usize) -> Self {
+        Nystrom::new(Rule::Centred { order: n })
     }
 
     /// Refines until two solves of different order and the residual by an independent rule agree within the [tolerance](Nystrom::tolerance); else
@@ -149,7 +158,8 @@ impl Nystrom {
         domain.validate()?;
         match self.rule {
             Rule::Plain { panels, order } if self.breakpoints.count == 0 => Grid::plain(domain, panels, order),
-            Rule::Plain { .. } => Err(Error::invalid(
+            Rule::Centred { order } if self.breakpoints.count == 0 => Grid::centred(domain, order),
+            Rule::Plain { .. } | Rule::Centred { .. } => Err(Error::invalid(
                 "breakpoints",
                 self.breakpoints.count as f64,
                 "need a graded or adaptive rule: Nystrom::graded(panels, order)",
@@ -219,12 +229,13 @@ where
     type Solution = NystromSolution<G, K>;
 
     fn solve(&self, equation: &Equation<G, K>, _: &Everywhere) -> Result<Self::Solution, Error> {
-        match self.rule {
+        let solved = match self.rule {
             Rule::Adaptive { tolerance, most } => {
                 equation.validate()?;
                 adaptive::solve(equation, self, tolerance, most)
             }
-            _ => equation.factorise(self)?.solve(equation.source()),
-        }
+            _ => equation.factorise(self).and_then(|factors| factors.solve(equation.source())),
+        };
+        solved.map_err(|e| explained(equation, e))
     }
 }

@@ -99,7 +99,7 @@ where
         let mut worst = 0.0f64;
         for (inside, at_end) in [(0.0, end.left()), (1.0, end.right())] {
             // nothing happens at infinity within a spacing of the coordinate
-            if at_end == End::None || (inside == 1.0 && !domain.volume().is_finite() && b == 1.0) {
+            if at_end == End::None || !domain.place(0, || a + (b - a) * inside).weight.is_finite() {
                 continue;
             }
             let t = a + (b - a) * inside + (0.5 - inside) * SMALLEST;

@@ -135,6 +135,12 @@ where
         self.system.factor.unknowns()
     }
 
+    /// How the linear system was solved, in words.
+    #[must_use]
+    pub fn linear_algebra(&self) -> &str {
+        self.system.factor.how()
+    }
+
     /// Kernel evaluations of assembling the systems (all attempts, for an adaptive one); choosing panels and checking the answer are not counted.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
@@ -233,42 +239,11 @@ where
 
     fn independent(&self, allowed: f64) -> Result<Check<K::Point, G::Value>, Error> {
         let domain = self.system.kernel.domain();
-        let grid = match self.system.grid.panels() {
-            Some(p) => Grid::panelled(domain, between(&p.breaks, domain.volume().is_finite()), p.basis.len() + 3)?,
-            None => {
-                let per_axis = (self.system.grid.nodes.len() as f64 / domain.states() as f64).powf(1.0 / domain.dimension().max(1) as f64);
-                match domain.dimension() {
-                    // towards the diagonal as well: a kink that the solve does not see must not hide here
-                    1 => Grid::panelled(domain, vec![0.0, 0.27, 0.55, 0.81, 1.0], (per_axis / 3.0).ceil() as usize + 7)?,
-                    _ => Grid::plain(domain, 1, per_axis.round() as usize + 3)?,
-                }
-            }
-        };
+        let grid = self.system.grid.independent(domain)?;
         let places: Vec<K::Point> = grid.nodes.iter().map(|n| n.point).collect();
         let values = self.between_nodes(&places, allowed)?;
         Ok(Check { grid, values })
     }
-}
-
-/// The same breaks with one more near the middle of every third panel, so that panels and nodes differ, and two more in the shortest panels around:
-/// there f is singular, and more nodes on the same panel would make the same error again.
-fn between(breaks: &[f64], finite: bool) -> Vec<f64> {
-    let length = |i: usize| breaks.get(i + 1).map_or(f64::INFINITY, |b| b - breaks[i]);
-    let mut out = vec![breaks[0]];
-    for (i, ends) in breaks.windows(2).enumerate() {
-        let (a, h) = (ends[0], ends[1] - ends[0]);
-        let before = if i == 0 { f64::INFINITY } else { length(i - 1) };
-        // nothing is singular at infinity
-        let inside = finite || i + 2 < breaks.len();
-        // equal up to rounding counts as shortest
-        if inside && h <= 1.001 * before.min(length(i + 1)) && (h < 0.9 * before.max(length(i + 1)) || breaks.len() < 4) {
-            out.extend([a + 0.09 * h, a + 0.91 * h]);
-        } else if i % 3 == 0 {
-            out.push(a + 0.46 * h);
-        }
-        out.push(ends[1]);
-    }
-    out
 }
 
 /// Σ_j (row of T at x)_j f_j.
@@ -298,7 +273,8 @@ impl<G: Source, K: Operator> fmt::Debug for NystromSolution<G, K> {
 
 impl<G: Source, K: Operator> fmt::Display for NystromSolution<G, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Nyström, {} unknowns, rcond {:.1e}", self.system.factor.unknowns(), self.system.factor.rcond())?;
+        let factor = &self.system.factor;
+        write!(f, "Nyström, {} unknowns by {}, rcond {:.1e}", factor.unknowns(), factor.how(), factor.rcond())?;
         match self.error {
             Some(error) => write!(f, ", |error| ≲ {error:.1e}")?,
             None => write!(f, ", error not estimated")?,

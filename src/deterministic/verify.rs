@@ -203,10 +203,12 @@ where
             let target = Target::new(kernel, x);
             (0..panels.count()).map(|p| target.is_near(panels.panel(p))).collect()
         });
-        let far = |y: &K::Point| self.grid().panels().is_none_or(|panels| !near[panels.at(domain.coordinate(y, 0))]);
+        let centred = self.grid().is_centred();
+        let far = |y: &K::Point| !centred && self.grid().panels().is_none_or(|panels| !near[panels.at(domain.coordinate(y, 0))]);
         let k = |y: &K::Point| kernel.eval(x, y).entry(e / c, e % c);
         let values: Vec<(f64, bool)> = scan.places.iter().map(|n| (k(&n.point), far(&n.point))).collect();
-        let size = values.iter().filter(|(_, far)| *far).fold(0.0f64, |m, (k, _)| m.max(k.abs()));
+        let counts = |(k, far): &&(f64, bool)| *far || (centred && k.is_finite());
+        let size = values.iter().filter(counts).fold(0.0f64, |m, (k, _)| m.max(k.abs()));
         let mass = scan.places.iter().zip(&values).map(|(n, (k, _))| n.weight * k.abs()).filter(|k| k.is_finite()).sum();
         let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| if far(&n.point) { k(&n.point) } else { 0.0 }).collect();
         let (gap, worst) = scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i].0).filter(|_| values[i].1));

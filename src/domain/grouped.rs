@@ -64,6 +64,10 @@ impl<D: Domain> Domain for Grouped<D> {
         self.groups
     }
 
+    fn is_periodic(&self, axis: usize) -> bool {
+        self.domain.is_periodic(axis)
+    }
+
     #[inline]
     fn place(&self, state: usize, next: impl FnMut() -> f64) -> Node<Self::Point> {
         let n = self.domain.place(0, next);

@@ -1,9 +1,11 @@
 //! The half line [a, ∞).
 
+use super::line::{Map, fit};
 use super::{Domain, Node};
 use crate::error::Error;
 
-/// The half line [start, ∞) with Lebesgue measure, covered by the algebraic map x = start + s·t/(1 − t), t ∈ [0, 1).
+/// The half line [start, ∞) with Lebesgue measure, covered by the algebraic map x = start + s·t/(1 − t), t ∈ [0, 1), or the exponential one,
+/// x = start − s ln(1 − t), which ends at x ≈ 37 s.
 ///
 /// The scale `s` is where half of the random points fall; choose it near the length over which f varies.
 ///
@@ -17,19 +19,50 @@ use crate::error::Error;
 pub struct HalfLine {
     start: f64,
     scale: f64,
+    map: Map,
 }
 
 impl HalfLine {
     /// [start, ∞) with scale 1.
     #[must_use]
     pub fn new(start: f64) -> Self {
-        HalfLine { start, scale: 1.0 }
+        HalfLine { start, scale: 1.0, map: Map::Algebraic }
     }
 
     /// Sets the scale s of the map, in units of x.
     #[must_use]
     pub fn scale(self, scale: f64) -> Self {
         HalfLine { scale, ..self }
+    }
+
+    /// The exponential map, for functions that fall as e^{−x/s} or faster.
+    #[must_use]
+    pub fn exponential(self) -> Self {
+        HalfLine { map: Map::Exponential, ..self }
+    }
+
+    /// The map for functions that decay as `phi` does: g, K(x, ·) for some x, or the larger of them.
+    ///
+    /// ```
+    /// use fredholm::domain::{Domain, HalfLine};
+    /// let fast = HalfLine::fitted(0.0, |x| (-5.0 * x).exp());
+    /// assert_eq!(fast, fast.exponential());
+    /// assert!((fast.density(&0.0) / 5.0 - 1.0).abs() < 0.2);                    // s ≈ 1/5
+    /// ```
+    #[must_use]
+    pub fn fitted(start: f64, phi: impl Fn(f64) -> f64) -> Self {
+        let (map, scale) = fit(|r| phi(start + r).abs());
+        HalfLine { start, scale, map }
+    }
+
+    /// 1 − t: far out t rounds to 1, where x still has all its digits.
+    #[inline]
+    fn rest(&self, x: f64) -> f64 {
+        let r = x - self.start;
+        match self.map {
+            Map::Algebraic => self.scale / (self.scale + r),
+            Map::Exponential => (-r / self.scale).exp(),
+        }
     }
 
     /// The end point a.
@@ -68,7 +101,10 @@ impl Domain for HalfLine {
     fn place(&self, _: usize, mut next: impl FnMut() -> f64) -> Node<f64> {
         let t = next();
         let rest = 1.0 - t;
-        Node { point: self.start + self.scale * t / rest, weight: self.scale / (rest * rest) }
+        match self.map {
+            Map::Algebraic => Node { point: self.start + self.scale * t / rest, weight: self.scale / (rest * rest) },
+            Map::Exponential => Node { point: self.start - self.scale * (-t).ln_1p(), weight: self.scale / rest },
+        }
     }
 
     #[inline]
@@ -76,8 +112,13 @@ impl Domain for HalfLine {
         if !self.contains(x) {
             return 0.0;
         }
-        let d = self.scale + (x - self.start);
-        self.scale / (d * d)
+        match self.map {
+            Map::Algebraic => {
+                let d = self.scale + (x - self.start);
+                self.scale / (d * d)
+            }
+            Map::Exponential => self.rest(*x) / self.scale,
+        }
     }
 
     fn locate(&self, x: f64) -> Option<f64> {
@@ -87,15 +128,26 @@ impl Domain for HalfLine {
     #[inline]
     fn coordinate(&self, x: &f64, _: usize) -> f64 {
         let r = x - self.start;
-        r / (self.scale + r)
+        match self.map {
+            Map::Algebraic => r / (self.scale + r),
+            Map::Exponential => -(-r / self.scale).exp_m1(),
+        }
     }
 
     fn displaced(&self, x: &f64, _: usize, d: f64) -> Node<f64> {
-        // 1 − t = s/(s + r): far out t rounds to 1, where x still has all its digits
-        let far = self.scale + (x - self.start);
-        let rest = self.scale / far - d;
-        let y = (x + far * (d / rest)).max(self.start);
-        Node { point: y, weight: self.scale / (rest * rest) }
+        match self.map {
+            Map::Algebraic => {
+                let far = self.scale + (x - self.start);
+                let rest = self.scale / far - d;
+                let y = (x + far * (d / rest)).max(self.start);
+                Node { point: y, weight: self.scale / (rest * rest) }
+            }
+            Map::Exponential => {
+                let here = self.rest(*x);
+                let y = (x - self.scale * (-d / here).ln_1p()).max(self.start);
+                Node { point: y, weight: self.scale / (here - d) }
+            }
+        }
     }
 
     fn difference(&self, x: &f64, d: f64) -> Option<f64> {
@@ -104,8 +156,10 @@ impl Domain for HalfLine {
     }
 
     fn separation(&self, x: &f64, y: &f64) -> f64 {
-        let denominator = |x: f64| self.scale + (x - self.start);
-        // two quotients: the product of far denominators could overflow
-        self.scale / denominator(*x) * ((y - x) / denominator(*y))
+        match self.map {
+            // two quotients: the product of far denominators could overflow
+            Map::Algebraic => self.rest(*x) * ((y - x) / (self.scale + (y - self.start))),
+            Map::Exponential => self.rest(*x) * -(-(y - x) / self.scale).exp_m1(),
+        }
     }
 }

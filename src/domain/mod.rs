@@ -3,19 +3,27 @@
 //! | domain | point | measure |
 //! |---|---|---|
 //! | [`Interval`] | `f64` | length |
-//! | [`HalfLine`] | `f64` | length (infinite) |
+//! | [`HalfLine`], [`Line`] | `f64` | length (infinite) |
+//! | [`Periodic`] | `f64` | length of the period |
+//! | [`Disk`] | `[f64; 2]` | area |
 //! | [`Cuboid<D>`] | `[f64; D]` | volume |
 //! | [`Grouped`] | `(point, usize)` | measure × counting: systems as one scalar equation |
 
 mod cuboid;
+mod disk;
 mod grouped;
 mod half_line;
 mod interval;
+mod line;
+mod periodic;
 
 pub use cuboid::Cuboid;
+pub use disk::Disk;
 pub use grouped::Grouped;
 pub use half_line::HalfLine;
 pub use interval::Interval;
+pub use line::Line;
+pub use periodic::Periodic;
 
 use crate::deterministic::quadrature::composite_unit_rule;
 use crate::error::Error;
@@ -97,6 +105,18 @@ pub trait Domain: Clone + Debug + Send + Sync + 'static {
         None
     }
 
+    /// Whether functions continue periodically along a coordinate: its rules are trapezoidal then.
+    fn is_periodic(&self, axis: usize) -> bool {
+        let _ = axis;
+        false
+    }
+
+    /// A rule for functions that are singular or have a kink at x, with none of its nodes there; `None` where there is none.
+    fn around(&self, x: &Self::Point, order: usize) -> Option<Vec<Node<Self::Point>>> {
+        let _ = (x, order);
+        None
+    }
+
     /// The discrete state of x.
     fn state(&self, x: &Self::Point) -> usize {
         let _ = x;
@@ -115,17 +135,22 @@ pub trait Domain: Clone + Debug + Send + Sync + 'static {
         Node { point: node.point, weight: node.weight * states as f64 }
     }
 
-    /// A tensor Gauss–Legendre rule with `panels` equal panels of `order` nodes along each coordinate of the map, for every state.
+    /// A tensor rule with `panels` equal panels of `order` Gauss–Legendre nodes along each coordinate of the map, for every state; as many equidistant nodes
+    /// along periodic coordinates.
     fn rule(&self, panels: usize, order: usize) -> Vec<Node<Self::Point>> {
         let unit = composite_unit_rule(panels, order);
-        let count = unit.len().pow(self.dimension() as u32);
+        let n = unit.len();
+        let equidistant = |k: usize| Node { point: (k as f64 + 0.5) / n as f64, weight: 1.0 / n as f64 };
+        let count = n.pow(self.dimension() as u32);
         let node = |state: usize, index: usize| {
-            let (mut rest, mut weight) = (index, 1.0);
+            let (mut rest, mut weight, mut axis) = (index, 1.0, 0);
             let placed = self.place(state, || {
-                let n = unit[rest % unit.len()];
-                rest /= unit.len();
-                weight *= n.weight;
-                n.point
+                let k = rest % n;
+                let along = if self.is_periodic(axis) { equidistant(k) } else { unit[k] };
+                rest /= n;
+                axis += 1;
+                weight *= along.weight;
+                along.point
             });
             Node { point: placed.point, weight: placed.weight * weight }
         };

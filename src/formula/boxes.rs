@@ -1,4 +1,4 @@
-//! Equations on boxes [a₁, b₁] × … × [a_d, b_d].
+//! Equations on boxes [a₁, b₁] × … × [a_d, b_d], and on disks.
 //!
 //! Points have D coordinates known at compile time, of which the first d ≤ D belong to the equation; the others run over [0, 1] and occur nowhere,
 //! which leaves every integral as it is.
@@ -9,7 +9,7 @@ use super::product::Product;
 use super::region::MOST_COORDINATES;
 use super::stated::{Binary, Reader, Stated, Unary};
 use super::translate::Parameters;
-use crate::domain::Cuboid;
+use crate::domain::{Cuboid, Domain};
 use crate::error::Error;
 use serde_json::Value;
 use std::sync::Arc;
@@ -25,9 +25,19 @@ pub(super) fn boxed<const D: usize>(
     parameters: &Parameters,
     sides: &[(f64, f64)],
 ) -> Result<(Stated<Cuboid<D>>, Vec<String>), Error> {
-    let d = sides.len();
     let domain = Cuboid::from(std::array::from_fn(|i| sides.get(i).map_or(0.0..=1.0, |&(a, b)| a..=b)));
-    let text = formula(fields.required("kernel")?, "field `kernel`")?;
+    in_space(fields, parameters, domain, sides.len())
+}
+
+/// The equation on a domain of points of D coordinates, of which the first `d` occur.
+pub(super) fn in_space<const D: usize, M: Domain<Point = [f64; D]>>(
+    fields: &Fields,
+    parameters: &Parameters,
+    domain: M,
+    d: usize,
+) -> Result<(Stated<M>, Vec<String>), Error> {
+    // the distance, as people write it
+    let text = formula(fields.required("kernel")?, "field `kernel`")?.replace("|x-y|", "t");
     let kernel = kernel::<D>(&text, d, parameters).map_err(|e| within("kernel", e))?;
     let function = move |value: &Value| source::<D>(&formula(value, "it")?, d, parameters);
     let place = move |value: &Value| {

@@ -45,6 +45,12 @@ impl Fields {
         self.0.get(field).filter(|v| !v.is_null())
     }
 
+    /// The same fields but for one.
+    pub(super) fn with(mut self, field: &str, value: Value) -> Self {
+        self.0.insert(field.into(), value);
+        self
+    }
+
     pub(super) fn text(&self, field: &str) -> Result<Option<String>, Error> {
         match self.optional(field) {
             None => Ok(None),

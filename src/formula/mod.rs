@@ -19,7 +19,7 @@
 //!
 //! | field | what | |
 //! |---|---|---|
-//! | `domain` | `[a, b]`, `[a, infinity)`, `[0,1]^d`, `[a, b] x [c, d]`, `[a, b] x {1..m}`, `surfaces` | required |
+//! | `domain` | `[a, b]`, `[a, infinity)`, `(-infinity, infinity)`, `unit disk`, `[0,1]^d`, `[a, b] x [c, d]`, `[a, b] x {1..m}`, `surfaces` | required |
 //! | `kernel` | K in `x`, `y`, `t` = \|x − y\|; on boxes `x1` … `xd`, `y1` … `yd`, `t`; an m × m list of lists for systems | required |
 //! | `source` | g in `x`; on boxes `x1` … `xd`; a list of m for systems | required |
 //! | `parameters` | names with numbers or formulas of other parameters | |
@@ -28,12 +28,15 @@
 //! | `functionals` | `{"h": …, "value": …}`: ∫ h f, if known | |
 //! | `name`, `class`, `digits` | for reports; digits of `values` that can be trusted | |
 //!
+//! A file whose source is `0 (eigenproblem)` states λf = Tf instead: [`Eigenproblem`].
+//!
 //! Other fields are allowed and ignored. Formulas are Python's: `+ - * / **` with Python's precedence (`-x**2` = −(x²), `x**y**z` = x^(y^z)),
 //! `exp log log10 sqrt abs sin cos tan asin acos atan sinh cosh tanh erf gamma E1 E2 E3 I0 I1 J0 J1 ellipE heav mn mx min max`, `pi`, `e`.
 //! `ellipE(k)` takes the modulus, `heav(z)` is 1 for z > 0 else 0, `mn`/`mx` are minimum and maximum. On boxes, products over coordinates are written
 //! `lam*prod_i k(x_i,y_i), k=exp(x*y)`; finite linear systems `B_i = E_i + rho_i sum_j F_ij B_j, F=[[…]], rho=[…]` have the domain `surfaces`.
 
 mod boxes;
+mod eigenproblem;
 mod expression;
 mod fields;
 mod functional;
@@ -45,6 +48,7 @@ mod region;
 mod stated;
 mod translate;
 
+pub use eigenproblem::Eigenproblem;
 pub use expression::Expression;
 pub use functional::{KnownFunctional, TextFunctional};
 pub use problem::{Problem, Statement, Visitor};

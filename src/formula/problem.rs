@@ -1,11 +1,11 @@
 //! A file, and the equation it states.
 
-use super::boxes::boxed;
+use super::boxes::{boxed, in_space};
 use super::fields::{Fields, malformed, refuse};
 use super::line::{scalar, surfaces, system};
 use super::region::{Region, region};
 use super::stated::Stated;
-use crate::domain::{Cuboid, Domain, Grouped, HalfLine, Interval};
+use crate::domain::{Cuboid, Disk, Domain, Grouped, HalfLine, Interval, Line};
 use crate::error::Error;
 use std::path::Path;
 
@@ -35,6 +35,10 @@ pub enum Statement {
     Interval(Stated<Interval>),
     /// On [a, ∞).
     HalfLine(Stated<HalfLine>),
+    /// On (−∞, ∞).
+    Line(Stated<Line>),
+    /// On a disk.
+    Disk(Stated<Disk>),
     /// A system on [a, b] as one equation on points (x, i).
     System(Stated<Grouped<Interval>>),
     /// On a box of two dimensions.
@@ -80,6 +84,8 @@ impl Statement {
         match self {
             Statement::Interval(s) => visitor.visit(s),
             Statement::HalfLine(s) => visitor.visit(s),
+            Statement::Line(s) => visitor.visit(s),
+            Statement::Disk(s) => visitor.visit(s),
             Statement::System(s) => visitor.visit(s),
             Statement::Box2(s) => visitor.visit(s),
             Statement::Box3(s) => visitor.visit(s),
@@ -133,7 +139,7 @@ fn state(fields: &Fields) -> Result<(Statement, Vec<String>), Error> {
     for field in ["kernel", "source"] {
         let words = fields.required(field)?.as_str().unwrap_or_default();
         if words.contains("eigenproblem") {
-            return refuse("an eigenproblem has no source: it is not an equation of the second kind");
+            return refuse("an eigenproblem has no source: it is not an equation of the second kind, but an `Eigenproblem`");
         }
         if words.starts_with("see ") {
             return refuse(format!("the {field} is given in words: `{words}`"));
@@ -143,6 +149,8 @@ fn state(fields: &Fields) -> Result<(Statement, Vec<String>), Error> {
     Ok(match region(&domain, p)? {
         Region::Interval(a, b) => with(scalar(fields, p, Interval::from(a..=b))?, Statement::Interval),
         Region::HalfLine(a) => with(scalar(fields, p, HalfLine::new(a))?, Statement::HalfLine),
+        Region::Line => with(scalar(fields, p, Line::new())?, Statement::Line),
+        Region::Disk => with(in_space(fields, p, Disk::unit(), 2)?, Statement::Disk),
         Region::System(a, b, n) => with(system(fields, p, Interval::from(a..=b), n)?, Statement::System),
         Region::Surfaces => with(surfaces(fields, p)?, Statement::System),
         Region::Box(sides) => match sides.len() {

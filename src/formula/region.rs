@@ -3,7 +3,8 @@
 //! | text | domain |
 //! |---|---|
 //! | `[0, 1]`, `[-pi, pi]`, `[0, 2*a]` | interval; the ends are formulas |
-//! | `[0, infinity)` | half line |
+//! | `[0, infinity)`, `(-infinity, infinity)` | half line, whole line |
+//! | `unit disk` | disk around 0 with radius 1 |
 //! | `[0,1]^3`, `[0,1]^d`, `[0,1] x [0,2]` | box |
 //! | `[0, 2] x {1..4}` | interval × components: a system |
 //! | `surfaces` | components alone: a finite linear system |
@@ -19,6 +20,8 @@ use crate::error::Error;
 pub(super) enum Region {
     Interval(f64, f64),
     HalfLine(f64),
+    Line,
+    Disk,
     Box(Vec<(f64, f64)>),
     System(f64, f64, usize),
     Surfaces,
@@ -42,6 +45,15 @@ pub(super) fn region(text: &str, parameters: &Parameters) -> Result<Region, Erro
     let trimmed = text.trim();
     if trimmed == "surfaces" {
         return Ok(Region::Surfaces);
+    }
+    if trimmed == "unit disk" {
+        return Ok(Region::Disk);
+    }
+    if let Some((lower, upper)) = trimmed.trim_matches(['(', ')', '[', ']']).split_once(',')
+        && lower.trim().strip_prefix(['-', '−']).is_some_and(is_infinity)
+        && is_infinity(upper)
+    {
+        return Ok(Region::Line);
     }
     if !trimmed.starts_with(['[', '(']) {
         let Some((_, described)) = trimmed.split_once(" in [").filter(|_| trimmed.matches('[').count() == 1) else {
@@ -100,7 +112,7 @@ fn factor(text: &str, parameters: &Parameters) -> Result<(Factor, usize, usize),
     let (comma, close) = bracket(text)?;
     let end = |text: &str| constant(text, parameters).map_err(|e| message(&e));
     let lower = end(&text[1..comma])?;
-    let infinite = matches!(text[comma + 1..close].trim(), "infinity" | "inf" | "oo" | "∞");
+    let infinite = is_infinity(&text[comma + 1..close]);
     let f = if infinite { Factor::HalfLine(lower) } else { Factor::Finite(lower, end(&text[comma + 1..close])?) };
     match f {
         Factor::Finite(a, b) if b <= a => return Err(format!("the interval from {a} to {b} is empty or reversed")),
@@ -111,6 +123,10 @@ fn factor(text: &str, parameters: &Parameters) -> Result<(Factor, usize, usize),
     let length = power.find(|c: char| !c.is_alphanumeric()).unwrap_or(power.len());
     let count = whole(&power[..length], "the power", MOST_COORDINATES as f64, parameters)?;
     Ok((f, count, close + 2 + length))
+}
+
+fn is_infinity(text: &str) -> bool {
+    matches!(text.trim(), "infinity" | "inf" | "oo" | "∞")
 }
 
 /// Places of the comma and of the closing bracket of `[a, b]`.

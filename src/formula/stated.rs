@@ -73,6 +73,11 @@ impl<D: Domain> Stated<D> {
         (self.source)(x)
     }
 
+    /// K as a closure.
+    pub(super) fn kernel_text(&self) -> KernelText<'_, D> {
+        &*self.kernel
+    }
+
     /// K(x, y).
     pub fn kernel(&self, x: &D::Point, y: &D::Point) -> f64 {
         (self.kernel)(x, y)

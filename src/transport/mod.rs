@@ -13,6 +13,7 @@
 //! | [`Slab`] | the kernel; walked by analog free flights: E₁'s logarithmic singularity is sampled exactly |
 //! | [`ImplicitCapture`] | the same kernel, walked without capture, weight c a step |
 //! | [`UniformSource`], [`BeamSource`] | sources with exact sampling; [`Slab::source`] takes a closure |
+//! | [`Critical`] | the c or the thickness at which a slab is critical, with its flux |
 //! | [`Histories`] | forward analog histories with [`CollisionTally`] and [`TrackTally`]: the flux of every bin with its error |
 //!
 //! The module uses the core and adds nothing to it: a slab is a kernel.
@@ -26,12 +27,14 @@
 //! # Ok::<(), fredholm::Error>(())
 //! ```
 
+mod critical;
 mod histories;
 mod implicit;
 mod slab;
 mod source;
 mod tally;
 
+pub use critical::Critical;
 pub use histories::{Fate, Histories, Outcome};
 pub use implicit::ImplicitCapture;
 pub use slab::Slab;

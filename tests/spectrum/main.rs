@@ -1,0 +1,10 @@
+//! Eigenpairs, determinants and critical slabs against closed forms and published digits; adjoint functionals; the Fredholm alternative; linear
+//! algebra beyond dense LU; complex equations; further domains.
+
+mod adjoint;
+mod alternative;
+mod critical;
+mod determinants;
+mod domains;
+mod linear;
+mod pairs;
