@@ -2,12 +2,14 @@
 
 use crate::options::{Options, WalkMethod};
 use crate::report::{Comparison, Outcome};
+use fredholm::detector::{Detector, Points, Start};
 use fredholm::domain::Domain;
-use fredholm::formula::{KernelText, SourceText, Stated};
+use fredholm::formula::{KernelText, SourceText, Stated, TextFunctional};
 use fredholm::kernel::{
     Absorbing, HasDomain, Kernel, KernelFn, Operator, Proposed, Radius, RowMass, Series, Tabulated, Transition, TransitionPdf, Uniform,
     kernel_fn,
 };
+use fredholm::sampling::Sampler;
 use fredholm::source::{SampleSource, SourceFn, TabulatedSource};
 use fredholm::statistics::Verdict;
 use fredholm::walk::{Ending, Heuristic, Roulette, Scoring};
@@ -161,17 +163,49 @@ impl<D: Domain> Runner<'_, D> {
         C: Scoring<G, K>,
         E: Ending<K>,
     {
-        let points: Vec<_> = self.stated.points.iter().map(|p| p.point).collect();
-        let estimates = eq.on(&points).solve(walk)?;
+        let points = Asked::<D>::Points(Points(self.stated.points.iter().map(|p| p.point).collect()));
+        let estimates = eq.seen_by(&points).solve(walk)?;
         let known = self.stated.points.iter();
         let mut found: Vec<_> = estimates.iter().zip(known).map(|(e, k)| comparison(e, &format!("x = {}", k.label), k.value)).collect();
         for (i, functional) in self.stated.functionals.iter().enumerate() {
             // other walks than those of the points, and than those of other functionals
             let walk = walk.seed(self.options.seed.wrapping_add(1 + i as u64));
-            let estimate = eq.seen_by(&functional.detector()?).solve(&walk)?;
-            found.push(comparison(&estimate, &format!("∫ f·({})", functional.label), functional.value));
+            let estimates = eq.seen_by(&Asked::Functional(functional.detector()?)).solve(&walk)?;
+            found.extend(estimates.iter().map(|e| comparison(e, &format!("∫ f·({})", functional.label), functional.value)));
         }
         Ok(found)
+    }
+}
+
+/// What a file asks for, as one type: every walk is then compiled once a domain.
+enum Asked<'a, D: Domain> {
+    Points(Points<D::Point>),
+    Functional(TextFunctional<'a, D>),
+}
+
+impl<D: Domain> Detector for Asked<'_, D> {
+    type Point = D::Point;
+    type Answer<T> = Vec<T>;
+    fn cells(&self) -> usize {
+        match self {
+            Asked::Points(points) => points.cells(),
+            Asked::Functional(functional) => functional.cells(),
+        }
+    }
+    fn start<S: Sampler>(&self, cell: usize, u: &mut S) -> Start<D::Point> {
+        match self {
+            Asked::Points(points) => points.start(cell, u),
+            Asked::Functional(functional) => functional.start(cell, u),
+        }
+    }
+    fn norm(&self) -> Option<f64> {
+        match self {
+            Asked::Points(points) => points.norm(),
+            Asked::Functional(functional) => functional.norm(),
+        }
+    }
+    fn answer<T>(&self, cells: Vec<T>) -> Vec<T> {
+        cells
     }
 }
 
