@@ -1,6 +1,7 @@
 //! I − T on the nodes of a rule, factorised once for many sources.
 
 use super::coarse::Layout;
+use super::erased::erased;
 use super::fast;
 use super::grid::Grid;
 use super::linear::Factor;
@@ -36,7 +37,7 @@ impl<K: Operator> Clone for Factorised<K> {
 }
 
 /// What solutions share.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct System<K: Operator> {
     pub(super) kernel: K,
     pub(super) grid: Grid<K::Point>,
@@ -46,7 +47,7 @@ pub(super) struct System<K: Operator> {
 
 impl<K: Kernel + HasDomain + Clone> Factorised<K> {
     pub(super) fn on_grid(kernel: &K, grid: Grid<K::Point>) -> Result<Self, Error> {
-        let (factor, evaluations) = match fast::factor(kernel, &grid)? {
+        let (factor, evaluations) = match fast::factor(&erased(kernel), &grid)? {
             Some(found) => found,
             None => {
                 let (matrix, evaluations) = grid.matrix(kernel)?;
@@ -66,23 +67,31 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
         K::Weight: Weight<Value = G::Value>,
     {
         source.validate()?;
-        let c = G::Value::COMPONENTS;
-        let nodes = &self.system.grid.nodes;
-        let mut b = DVector::zeros(c * nodes.len());
-        for (i, n) in nodes.iter().enumerate() {
-            let g = source.eval(&n.point);
-            if !g.all_finite() {
-                return Err(Error::non_finite_source(&n.point, &g));
-            }
-            (0..c).for_each(|a| b[c * i + a] = g.component(a));
-        }
-        let f = self.system.factor.try_solve(&b)?;
+        let at = |x: &K::Point| Some(source.eval(x)).filter(Value::all_finite).ok_or_else(|| Error::non_finite_source(x, &source.eval(x)));
+        let g = self.system.grid.nodes.iter().map(|n| at(&n.point)).collect::<Result<Vec<_>, _>>()?;
+        let f = self.system.factor.try_solve(&components_of(&g))?;
         if f.iter().any(|v| !v.is_finite()) {
             return Err(Error::NonFiniteSolution { unknowns: f.len() });
         }
-        let values = (0..nodes.len()).map(|i| G::Value::from_components(|a| f[c * i + a])).collect();
+        let values = values_of(&f);
         Ok(NystromSolution::new(source.clone(), Arc::clone(&self.system), values))
     }
+}
+
+impl<K: Operator> System<K> {
+    /// (I − T_n)⁻¹ applied to values at the nodes.
+    pub(super) fn inverse_of<V: Value>(&self, values: &[V]) -> Vec<V> {
+        values_of(&self.factor.solve(&components_of(values)))
+    }
+}
+
+/// The unknowns of the linear system: values node by node, in each its components.
+fn components_of<V: Value>(values: &[V]) -> DVector<f64> {
+    DVector::from_iterator(values.len() * V::COMPONENTS, values.iter().flat_map(|v| (0..V::COMPONENTS).map(|a| v.component(a))))
+}
+
+fn values_of<V: Value>(unknowns: &DVector<f64>) -> Vec<V> {
+    unknowns.as_slice().chunks_exact(V::COMPONENTS).map(|f| V::from_components(|a| f[a])).collect()
 }
 
 impl<K: Operator> Factorised<K> {

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::basis::Basis;
+use super::erased::erased;
 use super::near::{Target, components, nearer_end};
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
@@ -171,7 +172,8 @@ impl<X: Point> Grid<X> {
             return Ok(self.nodes.len() as u64);
         };
         let (c, n) = (components::<K>(), self.nodes.len());
-        let target = Target::new(kernel, x);
+        let kernel_by_values = erased(kernel);
+        let target = Target::new(&kernel_by_values, x);
         let p = panels.basis.len();
         let mut block = vec![0.0; p * c * c];
         let mut evaluations = 0;

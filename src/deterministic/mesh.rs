@@ -8,8 +8,10 @@
 //! for weakly singular kernels: Vainikko, Uba, *J. Austral. Math. Soc. B* 22 (1981) 431.
 
 use super::basis::Basis;
+use super::erased::erased;
 use super::grid::check_size;
 use super::near::{Target, components};
+use super::nystrom::segments_at;
 use crate::domain::{Domain, Node};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
@@ -75,15 +77,7 @@ impl Mesh {
 
     /// Ends of the elements as coordinates of the map: the elements are shared over the segments by length, at least one each.
     fn breaks<D: Domain>(&self, domain: &D) -> Result<Vec<f64>, Error> {
-        let mut segments = vec![0.0, 1.0];
-        for x in &self.breakpoints {
-            match domain.locate(*x) {
-                Some(t) if t > 0.0 && t < 1.0 => segments.push(t),
-                _ => return Err(Error::invalid("breakpoint", *x, "must lie strictly inside a one-dimensional domain")),
-            }
-        }
-        segments.sort_by(f64::total_cmp);
-        segments.dedup();
+        let segments = segments_at(domain, &self.breakpoints)?;
         let mut breaks = vec![0.0];
         for ends in segments.windows(2) {
             let (a, length) = (ends[0], ends[1] - ends[0]);
@@ -197,7 +191,8 @@ impl Space {
     /// (T φ_j)(x) for all functions: `out[(a n + j) c + b]` for components a, b and n functions. Returns kernel evaluations.
     pub(super) fn row<K: Kernel + HasDomain>(&self, kernel: &K, x: &K::Point, out: &mut [f64]) -> Result<u64, Error> {
         let (c, n) = (components::<K>(), self.len());
-        let target = Target::new(kernel, x);
+        let kernel_by_values = erased(kernel);
+        let target = Target::new(&kernel_by_values, x);
         let mut block = vec![0.0; self.basis.len() * c * c];
         let mut evaluations = 0;
         out.fill(0.0);

@@ -21,6 +21,7 @@ mod class;
 mod coarse;
 mod collocation;
 mod elements;
+mod erased;
 mod extrapolation;
 mod factorised;
 mod fast;

@@ -12,6 +12,7 @@
 use super::adaptive;
 use super::alternative::explained;
 use super::class::Diagonal;
+use super::erased::by_values;
 use super::grid::Grid;
 use super::solution::NystromSolution;
 use crate::domain::Domain;
@@ -190,17 +191,22 @@ impl Nystrom {
         if b.count > MOST_BREAKPOINTS {
             return Err(Error::invalid("breakpoints", b.count as f64, "must be at most 16"));
         }
-        let mut segments = vec![0.0, 1.0];
-        for x in &b.at[..b.count] {
-            match domain.locate(*x) {
-                Some(t) if t > 0.0 && t < 1.0 => segments.push(t),
-                _ => return Err(Error::invalid("breakpoint", *x, "must lie strictly inside a one-dimensional domain")),
-            }
-        }
-        segments.sort_by(f64::total_cmp);
-        segments.dedup();
-        Ok(segments)
+        segments_at(domain, &b.at[..b.count])
     }
+}
+
+/// 0, the coordinates of places x, 1; ascending.
+pub(super) fn segments_at<D: Domain>(domain: &D, breakpoints: &[f64]) -> Result<Vec<f64>, Error> {
+    let mut segments = vec![0.0, 1.0];
+    for x in breakpoints {
+        match domain.locate(*x) {
+            Some(t) if t > 0.0 && t < 1.0 => segments.push(t),
+            _ => return Err(Error::invalid("breakpoint", *x, "must lie strictly inside a one-dimensional domain")),
+        }
+    }
+    segments.sort_by(f64::total_cmp);
+    segments.dedup();
+    Ok(segments)
 }
 
 /// `panels` equal panels shared over the segments by length, at least one each; the panels at both ends of every segment halved `levels` times.
@@ -232,10 +238,11 @@ where
         let solved = match self.rule {
             Rule::Adaptive { tolerance, most } => {
                 equation.validate()?;
-                adaptive::solve(equation, self, tolerance, most)
+                let found = adaptive::solve(&by_values(equation), self, tolerance, most);
+                found.map(|f| f.of(equation.source().clone(), equation.kernel().clone()))
             }
             _ => equation.factorise(self).and_then(|factors| factors.solve(equation.source())),
         };
-        solved.map_err(|e| explained(equation, e))
+        solved.map_err(|e| explained(&by_values(equation), e))
     }
 }

@@ -10,7 +10,6 @@ use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::parallel;
 use crate::source::Source;
 use crate::value::{Value, Weight};
-use nalgebra::DVector;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
@@ -47,6 +46,19 @@ where
     pub(super) fn new(source: G, system: Arc<System<K>>, values: Vec<G::Value>) -> Self {
         let evaluations = system.evaluations;
         NystromSolution { source, system, values, error: None, class: None, warning: None, evaluations, check: OnceLock::new() }
+    }
+
+    /// The same solution of an equation of the same values.
+    pub(super) fn of<H, L>(self, source: H, kernel: L) -> NystromSolution<H, L>
+    where
+        H: Source<Point = G::Point, Value = G::Value>,
+        K: Clone,
+        L: Operator<Point = K::Point, Weight = K::Weight>,
+    {
+        let NystromSolution { system, values, error, class, warning, evaluations, check, .. } = self;
+        let System { grid, factor, evaluations: assembled, .. } = Arc::unwrap_or_clone(system);
+        let system = Arc::new(System { kernel, grid, factor, evaluations: assembled });
+        NystromSolution { source, system, values, error, class, warning, evaluations, check }
     }
 
     pub(super) fn with_error(self, error: f64, evaluations: u64) -> Self {
@@ -195,15 +207,9 @@ where
     /// f_j improved by one step of iterative refinement, with residuals from sums that do not round (Higham 2002, ch. 12): one more assembly.
     pub(super) fn refined(mut self) -> Result<Self, Error> {
         let nodes = &self.system.grid.nodes;
-        let c = G::Value::COMPONENTS;
         let at_nodes = parallel::map(nodes.len(), |j| Ok::<_, Error>(self.try_eval(&nodes[j].point)? - self.values[j]));
-        let mut r = DVector::zeros(c * nodes.len());
-        for (j, residual) in at_nodes.into_iter().enumerate() {
-            let residual = residual?;
-            (0..c).for_each(|a| r[c * j + a] = residual.component(a));
-        }
-        let e = self.system.factor.solve(&r);
-        self.values.iter_mut().enumerate().for_each(|(j, f)| *f += G::Value::from_components(|a| e[c * j + a]));
+        let residuals = at_nodes.into_iter().collect::<Result<Vec<_>, _>>()?;
+        self.values.iter_mut().zip(self.system.inverse_of(&residuals)).for_each(|(f, e)| *f += e);
         self.check = OnceLock::new();
         Ok(self)
     }

@@ -19,7 +19,6 @@ use crate::parallel;
 use crate::sampling::{Pcg, Sampler, Sequence};
 use crate::source::Source;
 use crate::value::{Value, Weight};
-use nalgebra::DVector;
 
 /// Places off the nodes.
 const PROBES: u64 = 14;
@@ -85,13 +84,11 @@ where
     K: Kernel + HasDomain + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
 {
-    let (nodes, c) = (&f.system().grid.nodes, G::Value::COMPONENTS);
-    let mut image = DVector::zeros(c * nodes.len());
-    for (j, n) in nodes.iter().enumerate() {
-        let tf = f.values()[j] - f.source().eval(&n.point);
-        (0..c).for_each(|a| image[c * j + a] = tf.component(a));
-    }
-    0.5 * f64::EPSILON * (f.magnitude() + f.system().factor.solve(&image).amax())
+    let nodes = f.system().grid.nodes.iter();
+    let image: Vec<G::Value> = nodes.zip(f.values()).map(|(n, v)| *v - f.source().eval(&n.point)).collect();
+    let mut worst = Largest::default();
+    f.system().inverse_of(&image).iter().for_each(|e| worst.see(e.magnitude()));
+    0.5 * f64::EPSILON * (f.magnitude() + worst.0)
 }
 
 struct Check<'a, G: Source, K: Operator> {
@@ -146,16 +143,10 @@ where
 
     /// The error by defect correction from residuals at the nodes, and the residuals themselves elsewhere.
     fn residual(&self, probes: &[K::Point]) -> Result<f64, Error> {
-        let (nodes, c) = (&self.grid().nodes, G::Value::COMPONENTS);
-        let at_nodes = parallel::map(nodes.len(), |j| self.fine.residual_at_node(j));
-        let mut r = DVector::zeros(c * nodes.len());
-        for (j, residual) in at_nodes.into_iter().enumerate() {
-            let residual = residual?;
-            (0..c).for_each(|a| r[c * j + a] = residual.component(a));
-        }
-        let e = self.fine.system().factor.solve(&r);
+        let at_nodes = parallel::map(self.grid().nodes.len(), |j| self.fine.residual_at_node(j));
+        let at_nodes = at_nodes.into_iter().collect::<Result<Vec<_>, _>>()?;
         let (mut worst, mut elsewhere) = (Largest::default(), Largest::default());
-        e.iter().for_each(|v| worst.see(v.abs()));
+        self.fine.system().inverse_of(&at_nodes).iter().for_each(|e| worst.see(e.magnitude()));
         for residual in parallel::map(probes.len(), |i| self.fine.residual(probes[i])) {
             elsewhere.see(residual?.magnitude());
         }

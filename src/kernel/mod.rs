@@ -75,6 +75,12 @@ pub trait Kernel: Operator {
         None
     }
 
+    /// The kernel with the same values that this one only wraps, if any: saves a call on the way to it.
+    #[doc(hidden)]
+    fn behind(&self) -> Option<&dyn Kernel<Point = Self::Point, Weight = Self::Weight>> {
+        None
+    }
+
     /// K = factor · S(x − y) + rest, for kernels that declare it, with factor and rest smooth on each side of x = y. Law: close to `eval(x, y)`.
     fn split(&self, x: &Self::Point, y: &Self::Point, difference: f64) -> Option<Split<Self::Weight>> {
         let _ = (x, y, difference);
