@@ -135,7 +135,7 @@ pub enum Error {
         rcond: f64,
         /// Size of the linear system.
         unknowns: usize,
-        /// Null functions of I − T and the condition of solvability, where a source was at hand.
+        /// Null functions of I − T and the condition of solvability, where a source was at hand and the domain is finite.
         alternative: Option<Box<Alternative>>,
     },
     /// Sums of finite values overflow.
