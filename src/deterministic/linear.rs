@@ -7,8 +7,9 @@
 //! | up to 6000 | any other | [LU](super::lu), n³/3 |
 //! | up to 16384 | any other | [GMRES](super::krylov) with a [coarse inverse](super::coarse), O(n²); LU where that does not converge |
 //!
-//! Measured on two cores with Love's kernel, seconds from kernel to factors + for a source: N = 4000, FFT 0.02 + 0.002, LU 0.6 + 0.01; N = 20 000, FFT
-//! 0.1 + 0.02. e^{xy}: N = 20 000, rank 15, 0.07 + 0.001. e^{−|x−y|} on panels: N = 8000, GMRES 1.7 + 0.3, LU 3.4 + 0.05.
+//! Measured on two cores that had other work too, seconds from kernel to factors + for a source: Love's kernel on uniform nodes by FFT, N = 4000:
+//! 0.014 + 0.002, N = 20 000: 0.14 + 0.02; e^{xy} of rank 15, N = 20 000: 0.07 + 0.001; e^{−|x−y|} on panels, N = 4000: GMRES 1.2 + 0.18, LU 1.8 + 0.02;
+//! N = 8000: GMRES 4.2 + 0.7, LU 8.7 + 0.1.
 //!
 //! Condition numbers are estimates from products with the inverse, Hager, *SIAM J. Sci. Stat. Comput.* 5 (1984) 311, in the form of Higham, *ACM TOMS*
 //! 14 (1988) 381, algorithm 2.4: a lower bound of ‖A⁻¹‖₁, in practice within a factor of 3.
