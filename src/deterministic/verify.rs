@@ -161,13 +161,22 @@ where
         let more = if domain.dimension() == 1 { ROWS } else { 0 };
         let more = (0..more).map(|i| scan.places[(i * scan.places.len() + scan.places.len() / 2) / ROWS].point);
         let rows: Vec<K::Point> = probes.iter().copied().chain(more).collect();
-        let found = parallel::map(rows.len() * c * c, |i| self.row(&scan, &rows[i / (c * c)], i % (c * c)));
-        let (mut largest, mut mass, mut row) = (Largest::default(), Largest::default(), Largest::default());
-        for Row { size, mass: m, gap } in found {
+        let lines = |along, at: &[K::Point]| parallel::map(at.len() * c * c, |i| self.line(&scan, along, &at[i / (c * c)], i % (c * c)));
+        let (mut largest, mut mass, mut row, mut column) = (Largest::default(), Largest::default(), Largest::default(), Largest::default());
+        // K narrow in x, whatever its rows: f has what the columns have, and the rows where they are largest count
+        let columns = lines(Along::Column, &rows);
+        let highest: Vec<usize> = columns.iter().map(|line| line.highest).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
+        let rows: Vec<K::Point> = rows.into_iter().chain(highest.iter().map(|i| scan.places[*i].point)).collect();
+        for Line { size, gap, .. } in columns {
+            largest.see(size);
+            column.see(gap);
+        }
+        for Line { size, mass: m, gap, .. } in lines(Along::Row, &rows) {
             largest.see(size);
             mass.see(m);
             row.see(gap);
         }
+        let ask_f = self.grid().panels().is_none() || column.0 > 0.0;
         let (largest, mass, row) = (largest.0, mass.0, row.0);
         // |Tδ| ≤ sup|K| ∫|δ| and ≤ ‖T‖ sup|δ|: the second where the domain is infinite
         let image = |(gap, worst): (f64, f64)| (largest * gap).min(mass * worst);
@@ -177,7 +186,7 @@ where
             let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| g(&n.point)).collect();
             let of_g = scan.gap(self.grid(), domain, &at_nodes, |i| Some(g(&scan.places[i].point)));
             // a singularity of g that T f takes away is none of f: ask f, which costs more
-            if !(image(of_g) * self.fine.inverse_norm() <= 0.1 * allowed) {
+            if ask_f || !(image(of_g) * self.fine.inverse_norm() <= 0.1 * allowed) {
                 let values = parallel::map(scan.places.len(), |i| self.fine.try_eval(&scan.places[i].point).map(|v| v.component(a)));
                 let values = values.into_iter().collect::<Result<Vec<_>, _>>()?;
                 let at_nodes: Vec<f64> = self.fine.values().iter().map(|f| f.component(a)).collect();
@@ -187,8 +196,8 @@ where
         Ok(self.fine.inverse_norm() * unseen.0)
     }
 
-    /// Entry `e` of the row of K at x over the scan. Where rows are integrated towards the diagonal, what they do is not the rule's to resolve.
-    fn row(&self, scan: &Scan<K::Point>, x: &K::Point, e: usize) -> Row {
+    /// Entry `e` of a row or column of K at x over the scan. Where rows are integrated towards the diagonal, what they do is not the rule's to resolve.
+    fn line(&self, scan: &Scan<K::Point>, along: Along, x: &K::Point, e: usize) -> Line {
         let (kernel, domain, c) = (self.equation.kernel(), self.equation.kernel().domain(), components::<K>());
         let near: Vec<bool> = self.grid().panels().map_or_else(Vec::new, |panels| {
             let target = Target::new(kernel, x);
@@ -196,20 +205,35 @@ where
         });
         let centred = self.grid().is_centred();
         let far = |y: &K::Point| !centred && self.grid().panels().is_none_or(|panels| !near[panels.at(domain.coordinate(y, 0))]);
-        let k = |y: &K::Point| kernel.eval(x, y).entry(e / c, e % c);
+        let k = |y: &K::Point| match along {
+            Along::Row => kernel.eval(x, y).entry(e / c, e % c),
+            Along::Column => kernel.eval(y, x).entry(e / c, e % c),
+        };
         let values: Vec<(f64, bool)> = scan.places.iter().map(|n| (k(&n.point), far(&n.point))).collect();
         let counts = |(k, far): &&(f64, bool)| *far || (centred && k.is_finite());
         let size = values.iter().filter(counts).fold(0.0f64, |m, (k, _)| m.max(k.abs()));
         let mass = scan.places.iter().zip(&values).map(|(n, (k, _))| n.weight * k.abs()).filter(|k| k.is_finite()).sum();
         let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| if far(&n.point) { k(&n.point) } else { 0.0 }).collect();
         let (gap, worst) = scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i].0).filter(|_| values[i].1));
-        Row { size, mass, gap: if worst > FEATURE * size { gap } else { 0.0 } }
+        let highest = (0..values.len()).filter(|i| values[*i].1).max_by(|i, j| values[*i].0.abs().total_cmp(&values[*j].0.abs()));
+        Line { highest: highest.unwrap_or(0), size, mass, gap: if worst > FEATURE * size { gap } else { 0.0 } }
     }
 }
 
-/// One row of K over the scan.
-struct Row {
-    /// largest |K| where the row is far from the diagonal
+/// Which variable of K runs over the scan.
+#[derive(Clone, Copy)]
+enum Along {
+    /// y
+    Row,
+    /// x
+    Column,
+}
+
+/// One row or column of K over the scan.
+struct Line {
+    /// the place where it is largest, far from the diagonal
+    highest: usize,
+    /// largest |K| where it is far from the diagonal
     size: f64,
     /// ∫ |K|
     mass: f64,
