@@ -70,6 +70,7 @@ pub mod deterministic;
 pub mod domain;
 mod equation;
 mod error;
+pub mod estimator;
 #[cfg(feature = "formula")]
 pub mod formula;
 pub mod integral;

@@ -10,8 +10,10 @@
 mod array;
 mod driver;
 mod ending;
+mod estimator;
 mod observer;
 mod order;
+mod replay;
 mod rounds;
 mod run;
 mod scoring;
@@ -19,6 +21,7 @@ mod scoring;
 pub use array::ArrayRqmc;
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
+pub use estimator::WalkEstimator;
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
 pub use rounds::{Round, Rounds};
@@ -200,7 +203,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if cell >= detector.cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
         }
-        Ok(run::replay(self, equation, detector, cell, 0, walk).1)
+        Ok(replay::replay(self, equation, detector, cell, 0, walk).1)
     }
 
     /// Everything that can be refused before the first walk; returns what is known of the truncation bias.
