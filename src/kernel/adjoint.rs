@@ -130,6 +130,17 @@ where
 }
 
 /// Two proposals: one for walks along the kernel, the other for walks along its transpose.
+///
+/// ```
+/// use fredholm::{Equation, Forward, detector::Bins, domain::Interval, kernel::{Both, Tabulated, Transposed, Uniform}};
+/// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+/// // backward walks by the uniform proposal, forward ones by a table of |K(·, y)|
+/// let table = Tabulated::new(&Transposed(eq.kernel().kernel()), 32)?;
+/// let eq = eq.with_proposal(Both::new(Uniform::on(Interval::from(0.0..=1.0)), table));
+/// let means = eq.seen_by(&Bins::new(0.0..=1.0, 2)).solve(&Forward::new())?;       // f = 1 + 3x/10
+/// assert!(means[0].agrees_with(1.075, 5.0) && means[1].agrees_with(1.225, 5.0));
+/// # Ok::<(), fredholm::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Both<P, Q> {
     backward: P,
