@@ -1,8 +1,8 @@
 //! A walk as a function on the unit cube.
 
+use super::backward::{Backward, start};
 use super::driver::{Driver, End};
 use super::replay::replay_on;
-use super::run::start;
 use super::{Ending, Scoring, Walk};
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
@@ -71,9 +71,10 @@ where
     #[inline]
     fn score<S: Sampler>(&self, cell: usize, u: &mut S, ranks: &mut Vec<u32>) -> Score<G::Value> {
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
-        let driver = Driver { equation: self.equation, scoring, ending, max_steps: *max_steps };
+        let mut errand = Backward { equation: self.equation, scoring };
+        let driver = Driver { kernel: self.equation.kernel(), ending, max_steps: *max_steps };
         let mut value = G::Value::ZERO;
-        let steps = driver.backward(&mut [start(self.detector, cell, 0, u)], ranks, &mut (), |walk| {
+        let steps = driver.walk(&mut errand, &mut [start(self.detector, cell, 0, u)], ranks, &mut (), |walk| {
             // a walk without an end has no score
             value = if walk.end == End::TooLong { G::Value::from_components(|_| f64::NAN) } else { walk.score };
         });

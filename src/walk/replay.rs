@@ -1,8 +1,8 @@
 //! One walk again, vertex by vertex.
 
+use super::backward::{Backward, start};
 use super::driver::{Driver, End};
 use super::observer::{Recorder, Trace};
-use super::run::start;
 use super::{Ending, Scoring, Walk};
 use crate::detector::Detector;
 use crate::equation::Equation;
@@ -53,7 +53,8 @@ where
     let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
     let mut lane = [start(detector, cell, 0, u)];
     let mut outcome = (G::Value::ZERO, End::TooLong);
-    let driver = Driver { equation, scoring: &walk.scoring, ending: &walk.ending, max_steps: walk.max_steps };
-    driver.backward(&mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
+    let mut errand = Backward { equation, scoring: &walk.scoring };
+    let driver = Driver { kernel: equation.kernel(), ending: &walk.ending, max_steps: walk.max_steps };
+    driver.walk(&mut errand, &mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
     (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.0, end: outcome.1 })
 }
