@@ -9,6 +9,7 @@
 
 mod array;
 mod backward;
+mod bidirectional;
 mod driver;
 mod ending;
 mod estimator;
@@ -21,6 +22,7 @@ mod run;
 mod scoring;
 
 pub use array::ArrayRqmc;
+pub use bidirectional::{Beyond, Bidirectional, Connect, PairEstimator, PairMemory, Strategies, Strategy};
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use estimator::WalkEstimator;
@@ -236,7 +238,12 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
     }
 
     /// What can be refused of walks along `along`, the kernel or its adjoint, for a detector of ∫ |h| dμ ≤ `norm`.
-    fn budgeted<G, K, A>(&self, equation: &Equation<G, K>, along: &A, norm: impl FnOnce() -> Option<f64>) -> Result<Option<Truncation>, Error>
+    fn budgeted<G, K, A>(
+        &self,
+        equation: &Equation<G, K>,
+        along: &A,
+        norm: impl FnOnce() -> Option<f64>,
+    ) -> Result<Option<Truncation>, Error>
     where
         G: Source,
         K: Operator<Point = G::Point>,
