@@ -166,6 +166,36 @@ pub enum Error {
         /// The scoring rule.
         needed_by: &'static str,
     },
+    /// A step goes along a Dirac part of the kernel, which the scoring rule cannot account for.
+    #[error("the step from {x} to {y} goes along a Dirac part of the kernel, which {needed_by} cannot score: use `Forward::new()`")]
+    SingularStep {
+        /// Where the step began.
+        x: String,
+        /// Where it ended.
+        y: String,
+        /// The scoring rule.
+        needed_by: &'static str,
+    },
+    /// A source started a forward walk with a weight that is NaN or infinite.
+    #[error("the source starts walk {walk} at {at} with weight {weight}")]
+    NonFiniteBirth {
+        /// Index of the walk.
+        walk: u64,
+        /// Z₀.
+        at: String,
+        /// g(Z₀)/q₀(Z₀).
+        weight: String,
+    },
+    /// A detector gave a score that is NaN or infinite, although the walk's weight is not.
+    #[error("detector cell {cell} scores {value} at {at}")]
+    NonFiniteDetector {
+        /// Detector cell.
+        cell: usize,
+        /// The state, as printed by its `Debug`.
+        at: String,
+        /// The score, as printed by its `Debug`.
+        value: String,
+    },
     /// K(x, ·) has no integral at y = x: a singularity like 1/|x − y|, or stronger.
     #[error("the kernel is not integrable at y = x = {x}: its integral over [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
     NotIntegrable {

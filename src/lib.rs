@@ -91,7 +91,7 @@ pub use integral::Integral;
 pub use nalgebra::Complex;
 pub use statistics::Estimate;
 pub use value::{GroupMatrix, Spectrum, Value, Weight};
-pub use walk::Walk;
+pub use walk::{Forward, Walk};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -53,19 +53,23 @@ pub struct Birth<X, V> {
 
 /// Starts forward walks.
 ///
-/// Law: `E[weight · φ(point)] = ∫ g φ dμ` for every φ.
+/// Law: `E[weight · φ(point)] = ∫ g φ dμ` for every φ; q₀ > 0 wherever g ≠ 0.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot start a forward walk",
     note = "forward walks begin at a point of the source: implement `Emit`, or use `source_fn(domain, g)`"
 )]
 pub trait Emit: Source {
+    /// States of forward walks: points of the source, unless [adjoint](crate::kernel::HasAdjoint) walks live elsewhere.
+    type State: Point;
+
     /// A birth.
-    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::Point, Self::Value>;
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::State, Self::Value>;
 }
 
 impl<T: Emit> Emit for &T {
+    type State = T::State;
     #[inline]
-    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::Point, Self::Value> {
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::State, Self::Value> {
         (**self).emit(u)
     }
 }
@@ -183,6 +187,7 @@ where
     F: Fn(&D::Point) -> V + Send + Sync,
     Q: Send + Sync,
 {
+    type State = D::Point;
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<D::Point, V> {
         let n = self.domain.sample(u);

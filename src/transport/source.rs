@@ -45,6 +45,7 @@ impl SampleSource for UniformSource {
 }
 
 impl Emit for UniformSource {
+    type State = f64;
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<f64, f64> {
         let n = self.slab.sample(u);
@@ -118,6 +119,7 @@ impl SampleSource for BeamSource {
 }
 
 impl Emit for BeamSource {
+    type State = f64;
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<f64, f64> {
         Birth { point: self.invert(u.next_1d()), weight: self.cosine * self.collided }

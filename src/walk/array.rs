@@ -17,6 +17,7 @@
 //! Reference: L'Ecuyer, Lécot, Tuffin, *A randomized quasi-Monte Carlo simulation method for Markov chains*, Oper. Res. 56 (2008) 958.
 
 use super::Walk;
+use super::backward::{Backward, start};
 use super::driver::{Driver, End};
 use super::ending::{Ending, Roulette};
 use super::observer::Recorder;
@@ -141,9 +142,10 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
         D: Detector<Point = G::Point>,
     {
         let Walk { scoring, ending, sequence, max_steps, .. } = &self.walk;
-        let driver = Driver { equation, scoring, ending, max_steps: *max_steps };
+        let mut errand = Backward { equation, scoring };
+        let driver = Driver { kernel: equation.kernel(), ending, max_steps: *max_steps };
         let points = |depth, count| sequence.points(Self::step_cell(cell, depth), replicate, 0..count).map(OneStep);
-        let mut lanes: Vec<_> = points(0, chains).enumerate().map(|(i, u)| super::run::start(detector, cell, i, u)).collect();
+        let mut lanes: Vec<_> = points(0, chains).enumerate().map(|(i, u)| start(detector, cell, i, u)).collect();
         lanes.iter().enumerate().for_each(|(i, lane)| watch(i, lane.sampler()));
         let mut ranks: Vec<u32> = (0..chains as u32).collect();
         let mut out = Array { scores: vec![G::Value::ZERO; chains as usize], steps: 0, cut: 0, truncated: 0 };
@@ -157,7 +159,7 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
                     lanes[*rank as usize].read(u);
                 }
             }
-            out.steps += driver.advance(&mut lanes, &mut ranks, depth, &mut (), &mut |walk| {
+            out.steps += driver.advance(&mut errand, &mut lanes, &mut ranks, depth, &mut (), &mut |walk| {
                 match walk.end {
                     End::Cut => {
                         out.cut += 1;
@@ -207,9 +209,10 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
         let walk = chain as u64;
         let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk };
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
-        let driver = Driver { equation, scoring, ending, max_steps: *max_steps };
-        let mut lane = [super::run::start(detector, cell, 0, Replayed { points: &points, now: points[0].clone() })];
-        driver.backward(&mut lane, &mut Vec::new(), &mut recorder, |_| {});
+        let mut errand = Backward { equation, scoring };
+        let driver = Driver { kernel: equation.kernel(), ending, max_steps: *max_steps };
+        let mut lane = [start(detector, cell, 0, Replayed { points: &points, now: points[0].clone() })];
+        driver.walk(&mut errand, &mut lane, &mut Vec::new(), &mut recorder, |_| {});
         let (vertex, last) = (recorder.vertices.len() as u64 - 1, recorder.vertices.last().expect("a walk has a start"));
         let unexplained = Error::Overflow { cell, walk, vertex, at: format!("{:?}", last.point), weight: format!("{:?}", last.weight) };
         Err(recorder.fault.unwrap_or(unexplained))

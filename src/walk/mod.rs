@@ -5,11 +5,13 @@
 //! - *What is scored*: [`Collision`], [`Absorption`], [`NextEvent`], [`Mis`].
 //!
 //! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
-//! [`Walk::fixed_depth`]; every part can be exchanged.
+//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel.
 
 mod array;
+mod backward;
 mod driver;
 mod ending;
+mod forward;
 mod observer;
 mod order;
 mod rounds;
@@ -19,6 +21,7 @@ mod scoring;
 pub use array::ArrayRqmc;
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
+pub use forward::{Forward, ForwardScoring, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
 pub use rounds::{Round, Rounds};
@@ -150,6 +153,16 @@ impl<C, E, Q> Walk<C, E, Q> {
         self.ending(FixedDepth(depth))
     }
 
+    /// The same walks, scored by another rule.
+    pub(crate) fn scored_by<D>(&self, scoring: D) -> Walk<D, E, Q>
+    where
+        E: Copy,
+        Q: Copy,
+    {
+        let Walk { ending, sequence, samples, max_steps, divergence, .. } = *self;
+        Walk { scoring, ending, sequence, samples, max_steps, divergence }
+    }
+
     /// How walks end.
     pub(crate) fn ends_by(&self) -> &E {
         &self.ending
@@ -215,8 +228,20 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
     {
         equation.validate()?;
         detector.validate()?;
-        self.ending.validate()?;
         self.scoring.validate(equation, &self.ending)?;
+        self.budgeted(equation, equation.kernel(), || detector.norm())
+    }
+
+    /// What can be refused of walks along `along`, the kernel or its adjoint, for a detector of ∫ |h| dμ ≤ `norm`.
+    fn budgeted<G, K, A>(&self, equation: &Equation<G, K>, along: &A, norm: impl FnOnce() -> Option<f64>) -> Result<Option<Truncation>, Error>
+    where
+        G: Source,
+        K: Operator<Point = G::Point>,
+        K::Weight: Weight<Value = G::Value>,
+        A: Transition,
+        E: Ending<A>,
+    {
+        self.ending.validate()?;
         if self.samples == 0 {
             return Err(Error::invalid("samples_per_cell", 0.0, "must be at least 1"));
         }
@@ -226,9 +251,10 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if self.sequence.replicates() == Some(0) {
             return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
         }
-        if !self.ending.ends() && equation.kernel().never_absorbs() {
+        if !self.ending.ends() && along.never_absorbs() {
             return Err(Error::NeverEnds);
         }
+        // K and its transpose have one spectrum
         let series = equation.kernel().series()?;
         if let (Series::Known(s), Divergence::Refuse, None) = (&series, self.divergence, self.ending.cut()) {
             let radius = s.radius();
@@ -243,7 +269,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
                 // |⟨h, Σ_{n > D} Tⁿg⟩| ≤ ∫|h| · sup
                 Series::Known(s) => {
                     let sup = s.truncation_bound(depth, |x| equation.source().eval(x));
-                    sup.zip(detector.norm()).map(|(sup, norm)| sup * norm)
+                    sup.zip(norm()).map(|(sup, norm)| sup * norm)
                 }
                 Series::Unknown => None,
             },
