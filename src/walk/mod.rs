@@ -14,6 +14,7 @@ mod ending;
 mod forward;
 mod observer;
 mod order;
+mod profile;
 mod rounds;
 mod run;
 mod scoring;
@@ -21,9 +22,10 @@ mod scoring;
 pub use array::ArrayRqmc;
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
-pub use forward::{Forward, ForwardScoring, ForwardTrace, Seen};
+pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
+pub use profile::{Basis, Expansion, Histogram, KernelTally, Plan, PlanOf, Profiling, Smoothed, SmoothingKernels, Tally};
 pub use rounds::{Round, Rounds};
 pub use run::Checkpoint;
 pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, Scoring, Technique, Visit};
@@ -233,7 +235,12 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
     }
 
     /// What can be refused of walks along `along`, the kernel or its adjoint, for a detector of ∫ |h| dμ ≤ `norm`.
-    fn budgeted<G, K, A>(&self, equation: &Equation<G, K>, along: &A, norm: impl FnOnce() -> Option<f64>) -> Result<Option<Truncation>, Error>
+    fn budgeted<G, K, A>(
+        &self,
+        equation: &Equation<G, K>,
+        along: &A,
+        norm: impl FnOnce() -> Option<f64>,
+    ) -> Result<Option<Truncation>, Error>
     where
         G: Source,
         K: Operator<Point = G::Point>,
