@@ -52,6 +52,9 @@ pub trait Detector: Send + Sync {
     note = "no random walk hits a point: use `Forward::next_event()` for f at points; a detector of your own implements `Score`"
 )]
 pub trait Score<Z: Point, V: Value>: Detector {
+    /// Whether most states touch most cells: scores are then kept as a table, not as a list.
+    const EVERY_CELL: bool = false;
+
     /// Calls `add(j, h_j(z) load)` for every cell j where h_j(z) ≠ 0. `u` is for detectors that look from a random place, such as a lens.
     fn score<S: Sampler>(&self, z: &Z, load: V, u: &mut S, add: impl FnMut(usize, V));
 }
@@ -187,6 +190,17 @@ impl Bins {
         Bins { interval: interval.into(), count }
     }
 
+    /// Width of a cell.
+    pub fn width(&self) -> f64 {
+        self.interval.length() / self.count as f64
+    }
+
+    /// The point at share `t` of cell `cell`.
+    #[inline]
+    pub(crate) fn place(&self, cell: usize, t: f64) -> f64 {
+        self.interval.at((cell as f64 + t) / self.count as f64)
+    }
+
     /// The cell of x, if it is inside.
     #[inline]
     pub fn cell(&self, x: f64) -> Option<usize> {
@@ -197,7 +211,7 @@ impl Bins {
 
     /// Middle of cell `cell`.
     pub fn centre(&self, cell: usize) -> f64 {
-        self.interval.at((cell as f64 + 0.5) / self.count as f64)
+        self.place(cell, 0.5)
     }
 }
 
@@ -209,7 +223,7 @@ impl Detector for Bins {
     }
     #[inline]
     fn start<S: Sampler>(&self, cell: usize, u: &mut S) -> Start<f64> {
-        Start { point: self.interval.at((cell as f64 + u.next_1d()) / self.count as f64), weight: 1.0 }
+        Start { point: self.place(cell, u.next_1d()), weight: 1.0 }
     }
     fn norm(&self) -> Option<f64> {
         Some(1.0)

@@ -23,7 +23,7 @@
 
 mod discrepancy;
 pub mod distribution;
-mod hash;
+pub(crate) mod hash;
 mod pcg;
 mod sequence;
 mod table;
@@ -131,6 +131,11 @@ pub trait Sequence: Copy + Debug + Send + Sync + 'static {
     /// from which it comes (Student, theory (4.14.4)).
     fn replicates(&self) -> Option<u32> {
         None
+    }
+
+    /// Whether cells and replicates differ: `false` for the points of the textbook, which exist only once.
+    fn is_randomised(&self) -> bool {
+        true
     }
 
     /// Kind and seed in words, to tell whether a checkpoint belongs to this sequence.

@@ -28,6 +28,7 @@ use crate::equation::{Equation, Method};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Operator, Transition};
 use crate::parallel;
+use crate::sampling::hash::word;
 use crate::sampling::{Purpose, Sampler, Sequence};
 use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
@@ -122,7 +123,7 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
 
     /// Cell of the sequence for a step of a detector cell: no two steps share a randomisation.
     fn step_cell(cell: usize, depth: u64) -> u64 {
-        ((cell as u64) << 40) | depth
+        word(cell as u64, depth)
     }
 
     /// All chains of one replicate, from their starts to their ends. `watch` sees the point that every chain reads at every step.
@@ -239,8 +240,12 @@ where
         if chains > u64::from(u32::MAX) {
             return Err(Error::invalid("chains a replicate", chains as f64, "must fit into 32 bits: all are held in memory"));
         }
-        if self.walk.max_steps >= 1 << 40 {
-            return Err(Error::invalid("max_steps", self.walk.max_steps as f64, "must be below 2⁴⁰ for sorted chains"));
+        if !self.walk.sequence.is_randomised() {
+            return Err(Error::invalid(
+                "replicates",
+                1.0,
+                "must be randomised for sorted chains: all steps would share the points of the textbook",
+            ));
         }
         let tasks = detector.cells() * replicates as usize;
         // behind a vtable: one call a replicate

@@ -18,9 +18,8 @@ mod scores;
 mod scoring;
 mod trace;
 
-pub(crate) use run::Run;
-pub(crate) use scoring::Collided;
-pub use scoring::{ForwardScoring, Seen};
+pub(super) use run::Run;
+pub use scoring::{Collided, Connections, ForwardScoring, Seen};
 pub use trace::ForwardTrace;
 
 use super::{Collision, Ending, FixedDepth, NextEvent, Roulette, Subcritical, Walk};
@@ -130,6 +129,15 @@ impl<C, E, Q> Forward<C, E, Q> {
     /// Draws from another sequence.
     pub fn sequence<R: Sequence>(self, sequence: R) -> Forward<C, E, R> {
         Forward { walk: self.walk.sequence(sequence) }
+    }
+
+    pub(super) fn of(walk: Walk<C, E, Q>) -> Self {
+        Forward { walk }
+    }
+
+    /// Walks.
+    pub(super) fn budget(&self) -> u64 {
+        self.walk.samples
     }
 
     /// Budget, ending and sequence with another scoring rule.

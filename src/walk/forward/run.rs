@@ -12,14 +12,16 @@ use crate::parallel;
 use crate::sampling::Sequence;
 use crate::source::Emit;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
-use crate::value::Weight;
+use crate::value::{Value, Weight};
 use crate::walk::driver::{Driver, End};
 use crate::walk::run::{BATCH, CELLS_WITH_TAILS, CHUNK, FRONT};
 use crate::walk::{Ending, Walk};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Numbers in a table of scores: a block of walks is shorter where cells are many.
 const TABLE: usize = 1 << 20;
+/// Parts a cell of long chunks before they are merged: bounds memory.
+const COMPACT: usize = 8;
 
 /// What forward walks are made of.
 pub(crate) struct Run<'a, G: Emit, K: HasAdjoint, D, C, E, Q> {
@@ -29,6 +31,7 @@ pub(crate) struct Run<'a, G: Emit, K: HasAdjoint, D, C, E, Q> {
     adjoint: K::Adjoint,
     truncation: Option<Truncation>,
     state: State<G::Value>,
+    elapsed: Duration,
 }
 
 /// One detector cell so far. Moments are those of walks that may have scored; the others scored 0.
@@ -94,7 +97,7 @@ where
             tail: (cells <= CELLS_WITH_TAILS).then(Tail::default),
         };
         let state = State { cells: vec![cell; cells], count: Count::default() };
-        Ok(Run { walk: *walk, equation, detector, adjoint, truncation, state })
+        Ok(Run { walk: *walk, equation, detector, adjoint, truncation, state, elapsed: Duration::ZERO })
     }
 
     pub(super) fn replicates(&self) -> u64 {
@@ -112,8 +115,8 @@ where
             self.batch(done, to)?;
             (done, batch) = (to, (8 * batch).min(BATCH as u64));
         }
-        let elapsed = clock.elapsed();
-        Ok(self.estimates().into_iter().map(|e| Estimate { elapsed, ..e }).collect())
+        self.elapsed = clock.elapsed();
+        Ok(self.estimates())
     }
 
     fn batch(&mut self, from: u64, to: u64) -> Result<(), Error> {
@@ -127,6 +130,29 @@ where
         results.iter().for_each(|chunk| self.state.count.add(chunk.count));
         self.merge(&results, |task| task / chunks as usize);
         Ok(())
+    }
+
+    /// All walks, in so many independent batches of equal size (the replicates, if the sequence has any), and the mean score of each batch in every cell.
+    pub(crate) fn batches(&mut self, batches: u64) -> Result<Vec<Vec<G::Value>>, Error> {
+        let clock = Instant::now();
+        let replicates = self.walk.sequence.replicates().map(u64::from);
+        let batches = replicates.unwrap_or(batches.min(self.walk.samples));
+        let size = self.walk.samples.div_ceil(batches);
+        let this = &*self;
+        let results = parallel::map(batches as usize, |b| match replicates {
+            Some(_) => this.chunk(b as u32, 0, size),
+            None => this.chunk(0, b as u64 * size, (b as u64 + 1) * size),
+        });
+        let results = results.into_iter().collect::<Result<Vec<_>, Error>>()?;
+        results.iter().for_each(|chunk| self.state.count.add(chunk.count));
+        self.merge(&results, |batch| if replicates.is_some() { batch } else { 0 });
+        self.elapsed = clock.elapsed();
+        let means = |chunk: &Chunk<G::Value>| {
+            let mut means = vec![G::Value::ZERO; self.state.cells.len()];
+            chunk.parts.iter().for_each(|p| means[p.cell] += p.moments.mean.scale(p.moments.count as f64 / size as f64));
+            means
+        };
+        Ok(results.iter().map(means).collect())
     }
 
     /// Joins the parts of chunks in order; `replicate` tells to which a chunk belongs.
@@ -149,13 +175,17 @@ where
         let block = if C::EVERY_CELL { (TABLE / cells).clamp(FRONT, CHUNK as usize) } else { CHUNK as usize };
         let mut scores = Scores::new(cells, C::EVERY_CELL);
         let mut chunk = Chunk { parts: Vec::new(), count: Count::default() };
+        let mut thresholds: Vec<_> = self.state.cells.iter().map(|c| c.tail.as_ref().map(Tail::threshold)).collect();
         for first in (from..to).step_by(block) {
             let last = to.min(first + block as u64);
             chunk.count.add(self.block(replicate, (first, last), &mut scores)?);
-            let threshold = |cell: usize| self.state.cells[cell].tail.as_ref().map(Tail::threshold);
-            if let Some(fault) = scores.fold((last - first) as usize, threshold, &mut chunk.parts) {
+            if let Some(fault) = scores.fold((last - first) as usize, |cell| thresholds[cell], &mut chunk.parts) {
                 let walk = first + fault.walk as u64;
                 return Err(self.replay(replicate, walk).0.cause(fault.cell));
+            }
+            if chunk.parts.len() > COMPACT * cells {
+                Part::compact(&mut chunk.parts);
+                chunk.parts.iter().for_each(|p| thresholds[p.cell] = thresholds[p.cell].map(|t| t.max(p.tail.threshold())));
             }
         }
         Ok(chunk)
@@ -208,7 +238,7 @@ where
         ForwardTrace { vertices, scores, end }
     }
 
-    fn estimates(&self) -> Vec<Estimate<G::Value>> {
+    pub(crate) fn estimates(&self) -> Vec<Estimate<G::Value>> {
         self.state.cells.iter().map(|cell| self.estimate(cell)).collect()
     }
 
@@ -233,7 +263,7 @@ where
             steps,
             evaluations: steps + self.walk.scoring.evaluations(self.detector) * (steps + walks - cut),
             truncation: self.truncation.map(|t| Truncation { walks: truncated, ..t }),
-            elapsed: std::time::Duration::ZERO,
+            elapsed: self.elapsed,
         }
     }
 }

@@ -19,6 +19,20 @@ pub(super) struct Part<V> {
     pub(super) tail: Tail,
 }
 
+impl<V: Value> Part<V> {
+    /// Merges the parts of each cell, in order.
+    pub(super) fn compact(parts: &mut Vec<Self>) {
+        parts.sort_by_key(|p| p.cell);
+        let merged = parts.chunk_by(|a, b| a.cell == b.cell).map(|of_cell| {
+            let mut all = Part { cell: of_cell[0].cell, moments: Moments::default(), tail: Tail::default() };
+            of_cell.iter().for_each(|p| all.moments.merge(&p.moments));
+            all.tail.merge(of_cell.iter().map(|p| &p.tail));
+            all
+        });
+        *parts = merged.collect();
+    }
+}
+
 /// A score that is not finite.
 pub(super) struct Fault {
     /// Number of the walk in its block.

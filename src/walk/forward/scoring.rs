@@ -78,6 +78,8 @@ where
     K::Weight: Weight<Value = G::Value>,
     D: Score<G::State, G::Value>,
 {
+    const EVERY_CELL: bool = D::EVERY_CELL;
+
     #[inline]
     fn arrival<S: Sampler, O: Observer<G::State, K::Weight>>(
         &self,
@@ -95,9 +97,9 @@ where
     }
 }
 
-/// Collisions after at least one step: ⟨h, T f⟩.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Collided;
+/// Collisions after at least one step: ⟨h, T f⟩, for those who know ⟨h, g⟩.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Collided;
 
 impl<G, K, D> ForwardScoring<G, K, D> for Collided
 where
@@ -106,6 +108,8 @@ where
     K::Weight: Weight<Value = G::Value>,
     D: Score<G::State, G::Value>,
 {
+    const EVERY_CELL: bool = D::EVERY_CELL;
+
     #[inline]
     fn arrival<S: Sampler, O: Observer<G::State, K::Weight>>(
         &self,
@@ -121,7 +125,11 @@ where
     }
 }
 
-impl<G, K, D> ForwardScoring<G, K, D> for NextEvent
+/// Connections with points of the detector, (h/r)(η) K(η, Z_n) W_n: ⟨h, T f⟩, for those who know ⟨h, g⟩.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Connections;
+
+impl<G, K, D> ForwardScoring<G, K, D> for Connections
 where
     G: Emit<State = <G as Source>::Point>,
     K: Kernel + HasAdjoint + Operator<Point = G::Point>,
@@ -139,25 +147,16 @@ where
         &self,
         at: Seen<'_, G, K, D>,
         arrival: Arrival<G::Point>,
-        u: &mut S,
+        _: &mut S,
         observer: &mut O,
         mut add: impl FnMut(usize, G::Value),
     ) {
-        let z = at.visit.point;
-        let Arrival::Step { from, .. } = arrival else {
-            return at.detector.sample_for(&z, u, |cell, eta| {
-                let g = at.equation.source().eval(&eta.point);
-                observer.source(&eta.point, &g);
-                let score = g.scale(eta.weight);
-                observer.tally(&z, cell, &score);
-                add(cell, score);
-            });
-        };
+        let Arrival::Step { from, .. } = arrival else { return };
         // no event can find what a Dirac part of the kernel scores: a NaN score, whose cause the replay names
         match arrival.density() {
             Density::Known(_) | Density::Deferred(_) => return,
-            Density::Singular => observer.singular(&from, &z, "forward next-event estimation"),
-            Density::Unstated => observer.unstated(&from, &z, "forward next-event estimation"),
+            Density::Singular => observer.singular(&from, &at.visit.point, "forward next-event estimation"),
+            Density::Unstated => observer.unstated(&from, &at.visit.point, "forward next-event estimation"),
         }
         add(0, G::Value::from_components(|_| f64::NAN));
     }
@@ -178,5 +177,53 @@ where
             observer.tally(&point, cell, &score);
             add(cell, score);
         });
+    }
+}
+
+/// [`Connections`], and ⟨h, g⟩ from points of the detector.
+impl<G, K, D> ForwardScoring<G, K, D> for NextEvent
+where
+    G: Emit<State = <G as Source>::Point>,
+    K: Kernel + HasAdjoint + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    D: SampleDetector<G::Point, Point = G::Point>,
+{
+    const EVERY_CELL: bool = D::EVERY_CELL;
+
+    fn evaluations(&self, detector: &D) -> u64 {
+        <Connections as ForwardScoring<G, K, D>>::evaluations(&Connections, detector)
+    }
+
+    #[inline]
+    fn arrival<S: Sampler, O: Observer<G::Point, K::Weight>>(
+        &self,
+        at: Seen<'_, G, K, D>,
+        arrival: Arrival<G::Point>,
+        u: &mut S,
+        observer: &mut O,
+        mut add: impl FnMut(usize, G::Value),
+    ) {
+        if matches!(arrival, Arrival::Step { .. }) {
+            return Connections.arrival(at, arrival, u, observer, add);
+        }
+        let z = at.visit.point;
+        at.detector.sample_for(&z, u, |cell, eta| {
+            let g = at.equation.source().eval(&eta.point);
+            observer.source(&eta.point, &g);
+            let score = g.scale(eta.weight);
+            observer.tally(&z, cell, &score);
+            add(cell, score);
+        });
+    }
+
+    #[inline]
+    fn vertex<S: Sampler, O: Observer<G::Point, K::Weight>>(
+        &self,
+        at: Seen<'_, G, K, D>,
+        u: &mut S,
+        observer: &mut O,
+        add: impl FnMut(usize, G::Value),
+    ) {
+        Connections.vertex(at, u, observer, add);
     }
 }
