@@ -38,11 +38,15 @@
 //! | [`Walk::next_event`] | [`Kernel`](kernel::Kernel) | [`SampleSource`](source::SampleSource) | yes | and ∫K²g²/q < ∞ along the walk |
 //! | [`Walk::mis`] | `Kernel`, [`TransitionPdf`](kernel::TransitionPdf) | `SampleSource` | yes | as the better of both |
 //! | [`Walk::fixed_depth`] | `Transition` | `Source` | no: the bound is printed | always |
+//! | [`Bidirectional`] | `Kernel`, `TransitionPdf`, [`HasAdjoint`](kernel::HasAdjoint) | [`EmitPdf`](source::EmitPdf) | yes | of one of its strategies where it matters |
 //! | [`ArrayRqmc`](walk::ArrayRqmc) of any walk | and [`HasDomain`](kernel::HasDomain) | as the walk | yes | as the walk; falls faster than 1/n |
 //! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
 //!
 //! Plain integrals ∫f dμ, on which walks stand, are [`Integral`]s with the same verb and the same [`Estimate`]: [`integral`] has importance sampling,
 //! strata, combined sampling, control functions. [`Study`](statistics::Study) measures bias, variance and coverage of any estimator.
+//!
+//! Unbiased walks are functions on the unit cube ([`estimator`]): several of one quantity are combined with weights of least variance, Metropolis' rule drives
+//! one through the cube for many cells at once, randomised truncation makes a convergent sequence unbiased.
 //!
 //! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own.
 //!

@@ -5,7 +5,8 @@
 //! - *What is scored*: [`Collision`], [`Absorption`], [`NextEvent`], [`Mis`].
 //!
 //! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
-//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel.
+//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel;
+//! [`Bidirectional`] joins both.
 
 mod array;
 mod backward;
