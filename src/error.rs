@@ -204,6 +204,27 @@ pub enum Error {
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
         ratio: f64,
     },
+    /// Randomised truncation of a sequence whose differences do not fall fast enough for it.
+    #[error(
+        "debiasing has no finite {series}: its terms have slope {slope:.3} in {variable}, which must be below {limit}; \
+         end earlier or later, or couple the levels better"
+    )]
+    NotSummable {
+        /// Which series: variance, or cost.
+        series: &'static str,
+        /// Slope of the logarithm of its terms.
+        slope: f64,
+        /// Along what: the level n, or ln(n + 1).
+        variable: &'static str,
+        /// Where convergence begins.
+        limit: f64,
+    },
+    /// A target density that is 0 wherever it was looked at.
+    #[error("the target of Metropolis' walk was 0 at all of {samples} random points: there is nowhere to start")]
+    ZeroTarget {
+        /// Random points.
+        samples: u64,
+    },
     /// A point outside the domain.
     #[error("{x} is outside the domain")]
     Outside {
