@@ -291,6 +291,14 @@ pub enum Error {
         /// Triangles and spheres together.
         primitives: usize,
     },
+    /// A scene file says what no scene can be.
+    #[error("{file}: {problem}")]
+    SceneFile {
+        /// The file.
+        file: String,
+        /// What is wrong in it, and where.
+        problem: String,
+    },
     /// Reading or writing failed.
     #[error("{path}: {message}")]
     Io {
