@@ -238,7 +238,11 @@ where
             return Err(Error::invalid("chains a replicate", chains as f64, "must fit into 32 bits: all are held in memory"));
         }
         if !self.walk.sequence.is_randomised() {
-            return Err(Error::invalid("replicates", 1.0, "must be randomised for sorted chains: all steps would share the points of the textbook"));
+            return Err(Error::invalid(
+                "replicates",
+                1.0,
+                "must be randomised for sorted chains: all steps would share the points of the textbook",
+            ));
         }
         let tasks = detector.cells() * replicates as usize;
         // behind a vtable: one call a replicate
