@@ -1,16 +1,18 @@
 //! Nanoseconds a step of the library's walks, each beside a hand-written loop of the same arithmetic and generator, on one thread.
 //!
-//! f(x) = 1 + ∫₀¹ ½e^{−|x−y|} f(y) dy at ½: (A) closures, uniform proposal, roulette ½; (B) the kernel's own Laplace step, absorbed outside.
+//! f(x) = 1 + ∫₀¹ ½e^{−|x−y|} f(y) dy at ½: (A) closures, uniform proposal, roulette ½; (B) the kernel's own Laplace step, absorbed outside; (C) as A but
+//! forward, for ∫ x f(x) dx.
 //!
 //! `cargo bench --bench walk_step`: the times are per *step*; the ratio of a pair is what the abstraction costs.
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use fredholm::detector::Functional;
 use fredholm::domain::Interval;
 use fredholm::kernel::{Operator, Step, Transition};
 use fredholm::sampling::Sampler;
 use fredholm::source::source_fn;
 use fredholm::walk::{Collision, OwnAbsorption, Roulette};
-use fredholm::{Equation, Walk};
+use fredholm::{Equation, Forward, Walk};
 use rand_core::Rng;
 use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;
@@ -36,6 +38,25 @@ fn loop_a(walks: u64) -> Sums {
             w *= (-(x - y).abs()).exp();
             x = y;
             s += w;
+            steps += 1;
+        }
+        sum += s;
+        squares += s * s;
+    }
+    (sum, squares, steps)
+}
+
+fn loop_c(walks: u64) -> Sums {
+    let mut r = Pcg64Mcg::new(42);
+    let (mut sum, mut squares, mut steps) = (0.0, 0.0, 0);
+    for _ in 0..walks {
+        let mut z = uniform(&mut r);
+        let (mut w, mut s) = (1.0f64, z);
+        while uniform(&mut r) < 0.5 {
+            let y = uniform(&mut r);
+            w *= (-(y - z).abs()).exp();
+            z = y;
+            s += w * z;
             steps += 1;
         }
         sum += s;
@@ -102,6 +123,11 @@ fn pairs(c: &mut Criterion) {
     let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * f64::exp(-f64::abs(x - y)));
     let walk = Walk::collision().roulette(Roulette::constant(0.5)).samples_per_cell(WALKS);
     per_step(c, "A step, library", || eq.at(0.5).solve(&walk).expect("a valid equation").steps);
+
+    per_step(c, "C step, hand-written", || black_box(loop_c(black_box(WALKS))).2);
+    let first = Functional::new(Interval::from(0.0..=1.0), |x| *x);
+    let forward = Forward::new().roulette(Roulette::constant(0.5)).walks(WALKS);
+    per_step(c, "C step, library", || eq.seen_by(&first).solve(&forward).expect("a valid equation").steps);
 
     per_step(c, "B step, hand-written", || black_box(loop_b(black_box(WALKS))).2);
     let eq = Equation::new(source_fn(Interval::from(0.0..=1.0), |_: &f64| 1.0), Laplace);

@@ -45,6 +45,10 @@ impl Weight for Complex<f64> {
         self * s
     }
     #[inline]
+    fn transposed(self) -> Self {
+        self
+    }
+    #[inline]
     fn norm(&self) -> f64 {
         self.re.hypot(self.im)
     }

@@ -166,6 +166,36 @@ pub enum Error {
         /// The scoring rule.
         needed_by: &'static str,
     },
+    /// A step goes along a Dirac part of the kernel, which the scoring rule cannot account for.
+    #[error("the step from {x} to {y} goes along a Dirac part of the kernel, which {needed_by} cannot score: use `Forward::new()`")]
+    SingularStep {
+        /// Where the step began.
+        x: String,
+        /// Where it ended.
+        y: String,
+        /// The scoring rule.
+        needed_by: &'static str,
+    },
+    /// A source started a forward walk with a weight that is NaN or infinite.
+    #[error("the source starts walk {walk} at {at} with weight {weight}")]
+    NonFiniteBirth {
+        /// Index of the walk.
+        walk: u64,
+        /// Z₀.
+        at: String,
+        /// g(Z₀)/q₀(Z₀).
+        weight: String,
+    },
+    /// A detector gave a score that is NaN or infinite, although the walk's weight is not.
+    #[error("detector cell {cell} scores {value} at {at}")]
+    NonFiniteDetector {
+        /// Detector cell.
+        cell: usize,
+        /// The state, as printed by its `Debug`.
+        at: String,
+        /// The score, as printed by its `Debug`.
+        value: String,
+    },
     /// K(x, ·) has no integral at y = x: a singularity like 1/|x − y|, or stronger.
     #[error("the kernel is not integrable at y = x = {x}: its integral over [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
     NotIntegrable {
@@ -173,6 +203,27 @@ pub enum Error {
         x: String,
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
         ratio: f64,
+    },
+    /// Randomised truncation of a sequence whose differences do not fall fast enough for it.
+    #[error(
+        "debiasing has no finite {series}: its terms have slope {slope:.3} in {variable}, which must be below {limit}; \
+         end earlier or later, or couple the levels better"
+    )]
+    NotSummable {
+        /// Which series: variance, or cost.
+        series: &'static str,
+        /// Slope of the logarithm of its terms.
+        slope: f64,
+        /// Along what: the level n, or ln(n + 1).
+        variable: &'static str,
+        /// Where convergence begins.
+        limit: f64,
+    },
+    /// A target density that is 0 wherever it was looked at.
+    #[error("the target of Metropolis' walk was 0 at all of {samples} random points: there is nowhere to start")]
+    ZeroTarget {
+        /// Random points.
+        samples: u64,
     },
     /// A point outside the domain.
     #[error("{x} is outside the domain")]

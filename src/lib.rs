@@ -70,6 +70,7 @@ pub mod deterministic;
 pub mod domain;
 mod equation;
 mod error;
+pub mod estimator;
 #[cfg(feature = "formula")]
 pub mod formula;
 pub mod integral;
@@ -93,7 +94,7 @@ pub use integral::Integral;
 pub use nalgebra::Complex;
 pub use statistics::Estimate;
 pub use value::{GroupMatrix, Spectrum, Value, Weight};
-pub use walk::Walk;
+pub use walk::{Bidirectional, Forward, Walk};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -53,19 +53,23 @@ pub struct Birth<X, V> {
 
 /// Starts forward walks.
 ///
-/// Law: `E[weight · φ(point)] = ∫ g φ dμ` for every φ.
+/// Law: `E[weight · φ(point)] = ∫ g φ dμ` for every φ; q₀ > 0 wherever g ≠ 0.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot start a forward walk",
     note = "forward walks begin at a point of the source: implement `Emit`, or use `source_fn(domain, g)`"
 )]
 pub trait Emit: Source {
+    /// States of forward walks: points of the source, unless [adjoint](crate::kernel::HasAdjoint) walks live elsewhere.
+    type State: Point;
+
     /// A birth.
-    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::Point, Self::Value>;
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::State, Self::Value>;
 }
 
 impl<T: Emit> Emit for &T {
+    type State = T::State;
     #[inline]
-    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::Point, Self::Value> {
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<Self::State, Self::Value> {
         (**self).emit(u)
     }
 }
@@ -90,6 +94,25 @@ impl<T: SampleSource> SampleSource for &T {
     #[inline]
     fn pdf_for(&self, x: &Self::Point, y: &Self::Point) -> f64 {
         (**self).pdf_for(x, y)
+    }
+}
+
+/// The density of births.
+///
+/// Law: for every set B, `∫_B emit_pdf(z) dμ(z) = P(emit().point ∈ B)`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not state the density of its births",
+    note = "bidirectional walks weigh the strategies of a path by their densities: implement `EmitPdf`, or use `source_fn(domain, g)`"
+)]
+pub trait EmitPdf: Emit {
+    /// q₀(z); infinite for sources of no extent, which no backward walk can find.
+    fn emit_pdf(&self, z: &Self::State) -> f64;
+}
+
+impl<T: EmitPdf> EmitPdf for &T {
+    #[inline]
+    fn emit_pdf(&self, z: &T::State) -> f64 {
+        (**self).emit_pdf(z)
     }
 }
 
@@ -183,10 +206,24 @@ where
     F: Fn(&D::Point) -> V + Send + Sync,
     Q: Send + Sync,
 {
+    type State = D::Point;
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<D::Point, V> {
         let n = self.domain.sample(u);
         Birth { point: n.point, weight: (self.function)(&n.point).scale(n.weight) }
+    }
+}
+
+impl<D, F, V, Q> EmitPdf for SourceFn<D, F, V, Q>
+where
+    D: Domain,
+    V: Value,
+    F: Fn(&D::Point) -> V + Send + Sync,
+    Q: Send + Sync,
+{
+    #[inline]
+    fn emit_pdf(&self, z: &D::Point) -> f64 {
+        self.domain.density(z)
     }
 }
 

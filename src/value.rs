@@ -85,6 +85,15 @@ pub trait Weight: Copy + Debug + PartialEq + Send + Sync + 'static {
     #[must_use]
     fn scaled(self, s: f64) -> Self;
 
+    /// Wᵀ: ⟨u, W v⟩ = ⟨Wᵀ u, v⟩ with the bilinear pairing ⟨u, v⟩ = Σ u_i v_i (no conjugation); W itself where products commute.
+    ///
+    /// ```
+    /// use fredholm::{GroupMatrix, Weight};
+    /// assert_eq!(GroupMatrix([[1.0, 2.0], [3.0, 4.0]]).transposed(), GroupMatrix([[1.0, 3.0], [2.0, 4.0]]));
+    /// ```
+    #[must_use]
+    fn transposed(self) -> Self;
+
     /// A norm for roulette decisions: the largest absolute entry.
     fn norm(&self) -> f64;
 
@@ -126,6 +135,10 @@ impl Weight for f64 {
     #[inline]
     fn scaled(self, s: f64) -> f64 {
         self * s
+    }
+    #[inline]
+    fn transposed(self) -> f64 {
+        self
     }
     #[inline]
     fn norm(&self) -> f64 {
@@ -228,6 +241,10 @@ impl<const N: usize> Weight for Spectrum<N> {
         Spectrum(self.0.map(|w| s * w))
     }
     #[inline]
+    fn transposed(self) -> Self {
+        self
+    }
+    #[inline]
     fn norm(&self) -> f64 {
         self.magnitude()
     }
@@ -273,6 +290,10 @@ impl<const G: usize> Weight for GroupMatrix<G> {
     #[inline]
     fn scaled(self, s: f64) -> Self {
         GroupMatrix(self.0.map(|row| row.map(|w| s * w)))
+    }
+    #[inline]
+    fn transposed(self) -> Self {
+        GroupMatrix(std::array::from_fn(|i| std::array::from_fn(|j| self.0[j][i])))
     }
     #[inline]
     fn norm(&self) -> f64 {

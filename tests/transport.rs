@@ -207,7 +207,7 @@ fn a_step_follows_the_kernel() {
 }
 
 /// Points in the slab [0, 3] with weight 1/pdf, and the mean that their density has.
-fn sampling_laws(source: &(impl SampleSource<Point = f64> + Emit), mean: f64) {
+fn sampling_laws(source: &(impl SampleSource<Point = f64> + Emit<State = f64>), mean: f64) {
     let sample = |i: u64| {
         let n = source.sample_for(&1.0, &mut Pcg::new(1).point(0, 0, i)).unwrap();
         assert!((n.weight * source.pdf_for(&1.0, &n.point) - 1.0).abs() < 1e-12 && (0.0..=3.0).contains(&n.point));
@@ -236,13 +236,13 @@ fn sources_are_sampled_exactly() {
     assert!((birth.weight - 3.0 * (1.0 + birth.point)).abs() < 1e-14);
 }
 
-fn fluxes(slab: &Slab, source: &impl Emit<Point = f64, Value = f64>) -> (Flux, Flux) {
+fn fluxes(slab: &Slab, source: &impl Emit<Point = f64, Value = f64, State = f64>) -> (Flux, Flux) {
     Histories::new((CollisionTally, TrackTally)).bins(10).histories(400_000).seed(3).run(slab, source).unwrap().flux
 }
 
 fn agree_with_backward_walks<G>(slab: &Slab, source: &G)
 where
-    G: SampleSource<Point = f64, Value = f64> + Emit,
+    G: SampleSource<Point = f64, Value = f64> + Emit<State = f64>,
 {
     let (collision, track) = fluxes(slab, source);
     let bins = Bins::new(0.0..=slab.thickness(), 10);

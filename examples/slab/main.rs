@@ -32,7 +32,7 @@ struct Row {
 
 fn run<G>(options: &Options, slab: &Slab, source: G) -> Result<(), Error>
 where
-    G: SampleSource<Point = f64, Value = f64> + Emit + Clone + 'static,
+    G: SampleSource<Point = f64, Value = f64> + Emit<State = f64> + Clone + 'static,
 {
     slab.validate()?;
     source.validate()?;

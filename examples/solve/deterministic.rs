@@ -149,14 +149,8 @@ impl<'a, X: Point> Found<'a, X> {
         let unresolved = !(self.error <= 0.1 * self.magnitude.max(1e-3));
         let refusal = unresolved.then(|| format!("not resolved: the error may be {:.0e}", self.error));
         let comparison = |label: String, value: f64, error: f64, reference| Comparison {
-            label,
-            value,
-            error,
-            freedom: None,
-            bias: 0.0,
-            reference,
-            evaluations: 0,
             refusal: refusal.clone(),
+            ..Comparison::deterministic(label, value, error, reference)
         };
         let mut found = Vec::new();
         for known in &stated.points {

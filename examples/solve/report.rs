@@ -22,6 +22,13 @@ pub(crate) struct Comparison {
     pub refusal: Option<String>,
 }
 
+impl Comparison {
+    /// By a deterministic method, with the error that it reports.
+    pub(crate) fn deterministic(label: String, value: f64, error: f64, reference: Option<f64>) -> Self {
+        Comparison { label, value, error, freedom: None, bias: 0.0, reference, evaluations: 0, refusal: None }
+    }
+}
+
 /// What a method made of a file.
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome {

@@ -26,19 +26,11 @@ pub(crate) fn lines(name: &str, path: &Path, options: &Options) -> Option<Vec<Li
 fn solve(problem: &Eigenproblem, tolerance: f64) -> Result<(String, Vec<Comparison>), Error> {
     let pairs = eigenpairs(&problem.kernel(), &Nystrom::adaptive().tolerance(tolerance), 1)?;
     let Some(pair) = pairs.first() else { return Ok(("all eigenvalues are 0".into(), Vec::new())) };
-    let comparison = |label: String, value, error, reference| Comparison {
-        label,
-        value,
-        error,
-        freedom: None,
-        bias: 0.0,
-        reference,
-        evaluations: 0,
-        refusal: None,
-    };
-    let mut all = vec![comparison("largest eigenvalue".into(), pair.value().re, pair.error(), problem.largest)];
+    let mut all = vec![Comparison::deterministic("largest eigenvalue".into(), pair.value().re, pair.error(), problem.largest)];
     all[0].evaluations = pair.evaluations();
-    all.extend(function(problem, pair).into_iter().map(|(label, value, error, known)| comparison(label, value, error, Some(known))));
+    all.extend(
+        function(problem, pair).into_iter().map(|(label, value, error, known)| Comparison::deterministic(label, value, error, Some(known))),
+    );
     Ok((pair.to_string(), all))
 }
 

@@ -175,18 +175,16 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
     /// Distances from `nearest` to `farthest`, all below `s`: extrapolated from [s, 8s].
     fn innermost(&mut self, sign: f64, nearest: f64, farthest: f64, s: f64) -> Result<(), Error> {
         let (a, b) = self.panel;
-        let t = self.target.t;
+        let (c2, t) = (components::<K>().pow(2), self.target.t);
         // within 8s of the domain's end the other side must serve
         let reach = if self.target.reaches(sign, 8.0 * s) { sign } else { -sign };
-        let masses = [self.mass(reach, s, 2.0 * s)?, self.mass(reach, 2.0 * s, 4.0 * s)?, self.mass(reach, 4.0 * s, 8.0 * s)?];
-        for e in 0..masses[0].len() {
-            let means: [f64; 3] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
+        for (e, means) in self.means::<3>(reach, s)?.into_iter().enumerate() {
             let (whole, power) = below(means).map_err(|ratio| Error::NotIntegrable { x: format!("{:?}", self.target.x), ratio })?;
             let share = (farthest / s).powf(power) - (nearest / s).powf(power);
             // centre of the mass r^{power − 1} dr: a straight line is integrated exactly
             let centre = nearest + (farthest - nearest) * power / (1.0 + power);
             self.basis.values(((t + sign * centre - a) / (b - a)).clamp(0.0, 1.0), &mut self.values);
-            self.values.iter().enumerate().for_each(|(l, v)| self.moments[l * masses[0].len() + e] += s * whole * share * v);
+            self.values.iter().enumerate().for_each(|(l, v)| self.moments[l * c2 + e] += s * whole * share * v);
         }
         Ok(())
     }
@@ -197,13 +195,10 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         if !self.target.reaches(sign, 16.0 * s) {
             return Ok(false);
         }
-        let mut masses = Vec::new();
-        for k in 0..4 {
-            masses.push(self.mass(sign, s * f64::from(1 << k), s * f64::from(2 << k))?);
-        }
-        let c2 = masses[0].len();
-        for (e, panel) in self.integrals.iter().enumerate().take(c2) {
-            let means: [f64; 4] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
+        let c2 = components::<K>().pow(2);
+        let means = self.means::<4>(sign, s)?;
+        // the integrals against P₀ come first
+        for (means, panel) in means.into_iter().zip(&self.integrals) {
             let (Ok((inner, _)), Ok((outer, _))) = (below([means[0], means[1], means[2]]), below([means[1], means[2], means[3]])) else {
                 return Ok(false);
             };
@@ -258,6 +253,17 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
             }
         }
         Ok(true)
+    }
+
+    /// Means of K dμ/dt over distances [s, 2s], [2s, 4s], …, entry by entry.
+    fn means<const N: usize>(&mut self, sign: f64, s: f64) -> Result<Vec<[f64; N]>, Error> {
+        let mut means = vec![[0.0; N]; components::<K>().pow(2)];
+        for k in 0..N {
+            let length = s * (1u32 << k) as f64;
+            let masses = self.mass(sign, length, 2.0 * length)?;
+            means.iter_mut().zip(masses).for_each(|(means, mass)| means[k] = mass / length);
+        }
+        Ok(means)
     }
 
     /// ∫ K dμ over distances [inner, outer], entry by entry.

@@ -181,16 +181,23 @@ where
         // |Tδ| ≤ sup|K| ∫|δ| and ≤ ‖T‖ sup|δ|: the second where the domain is infinite
         let image = |(gap, worst): (f64, f64)| (largest * gap).min(mass * worst);
         let mut unseen = Largest(self.fine.magnitude() * row);
+        let mut scanned: Option<Vec<G::Value>> = None;
         for a in 0..c {
             let g = |x: &K::Point| self.equation.source().eval(x).component(a);
             let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| g(&n.point)).collect();
             let of_g = scan.gap(self.grid(), domain, &at_nodes, |i| Some(g(&scan.places[i].point)));
             // a singularity of g that T f takes away is none of f: ask f, which costs more
             if ask_f || !(image(of_g) * self.fine.inverse_norm() <= 0.1 * allowed) {
-                let values = parallel::map(scan.places.len(), |i| self.fine.try_eval(&scan.places[i].point).map(|v| v.component(a)));
-                let values = values.into_iter().collect::<Result<Vec<_>, _>>()?;
+                // once for all components
+                let values = match scanned.take() {
+                    Some(values) => values,
+                    None => parallel::map(scan.places.len(), |i| self.fine.try_eval(&scan.places[i].point))
+                        .into_iter()
+                        .collect::<Result<_, _>>()?,
+                };
                 let at_nodes: Vec<f64> = self.fine.values().iter().map(|f| f.component(a)).collect();
-                unseen.see(image(scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i]))));
+                unseen.see(image(scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i].component(a)))));
+                scanned = Some(values);
             }
         }
         Ok(self.fine.inverse_norm() * unseen.0)

@@ -17,7 +17,7 @@ use super::predict::{Predict, square_over};
 use super::{Integral, Primary};
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
-use crate::sampling::{Sampler, Sequence};
+use crate::sampling::{Pcg, Sampler};
 use crate::source::Source;
 use crate::value::Value;
 use crate::walk::Heuristic;
@@ -146,18 +146,29 @@ impl<D: Domain, V: Value> Primary<D, V> for Combined<D::Point> {
         }
     }
 
-    fn tuned<G, Q>(&self, integral: &Integral<D, G>, sequence: &Q) -> Result<(Self, u64), Error>
+    fn tuned<G>(&self, integral: &Integral<D, G>, points: &Pcg) -> Result<(Self, u64), Error>
     where
         G: Source<Point = D::Point, Value = V>,
-        Q: Sequence,
     {
         let Weights::Pilot(n) = self.weights else { return Ok((self.clone(), 0)) };
-        let (alpha, spent) = optimal::pilot(self, integral, sequence, n)?;
+        let (alpha, spent) = optimal::pilot(self, integral, points, n)?;
         Ok((Combined { weights: Weights::Mixture(alpha), ..self.clone() }, spent))
     }
 }
 
 impl<X: Point> Combined<X> {
+    /// Refuses techniques with mass outside the domain: f is 0 there, the mixture of optimal weights is not.
+    fn stays_inside(&self, nodes: &[Node<X>]) -> Result<(), Error> {
+        for t in &self.techniques {
+            let outside = 1.0 - nodes.iter().map(|n| n.weight * t.density.pdf(&n.point)).sum::<f64>();
+            if !(outside.abs() < 1e-6) {
+                let requirement = "must be 0 to predict the variance of optimal weights, by a rule that integrates the density to 1e-6";
+                return Err(Error::invalid("mass of a technique outside the domain", outside, requirement));
+            }
+        }
+        Ok(())
+    }
+
     /// ∫ f and theory (4.4.6).
     fn heuristic_moments<V: Value>(&self, heuristic: Heuristic, nodes: &[Node<X>], f: &dyn Fn(&X) -> V) -> (V, V) {
         let (mut mean, mut variance) = (V::ZERO, V::ZERO);
@@ -181,14 +192,17 @@ impl<X: Point> Combined<X> {
 }
 
 impl<D: Domain, V: Value> Predict<D, V> for Combined<D::Point> {
-    fn moments(&self, _: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V) {
+    fn moments(&self, _: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> Result<(V, V), Error> {
+        if !matches!(self.weights, Weights::Heuristic(_)) {
+            self.stays_inside(nodes)?;
+        }
         let alpha = match &self.weights {
-            Weights::Heuristic(h) => return self.heuristic_moments(*h, nodes, f),
+            Weights::Heuristic(h) => return Ok(self.heuristic_moments(*h, nodes, f)),
             Weights::Mixture(alpha) => alpha.clone(),
             Weights::Pilot(_) => optimal::by_quadrature(self, nodes, f),
         };
         // balance for f − Σ α_k p_k, and a constant
         let (mean, variance) = self.heuristic_moments(Heuristic::Balance, nodes, &|x| f(x) - self.mixture(&alpha, x));
-        (mean + V::from_components(|c| alpha.iter().map(|a| a[c]).sum()), variance)
+        Ok((mean + V::from_components(|c| alpha.iter().map(|a| a[c]).sum()), variance))
     }
 }

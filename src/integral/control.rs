@@ -8,12 +8,12 @@
 //! α must not come from the scores that it is used for: a pilot finds it on points of its own. J must be exact: estimated from the same sample it
 //! cancels and changes nothing (theory (2.2.6)). Reference: Hammersley, Handscomb, *Monte Carlo methods* (1964), §5.5; theory (4.8.7).
 
-use super::draw::{PILOT, Probe};
+use super::draw::Probe;
 use super::predict::Predict;
 use super::{Integral, Primary};
 use crate::domain::{Domain, Node};
 use crate::error::Error;
-use crate::sampling::{Sampler, Sequence};
+use crate::sampling::{Pcg, PcgSampler, Sampler, Sequence};
 use crate::source::Source;
 use crate::value::Value;
 
@@ -107,15 +107,14 @@ where
         self.primary.validate()
     }
 
-    fn tuned<G, Q>(&self, integral: &Integral<D, G>, sequence: &Q) -> Result<(Self, u64), Error>
+    fn tuned<G>(&self, integral: &Integral<D, G>, points: &Pcg) -> Result<(Self, u64), Error>
     where
         G: Source<Point = D::Point, Value = V>,
-        Q: Sequence,
     {
-        let (primary, mut spent) = self.primary.tuned(integral, sequence)?;
+        let (primary, mut spent) = self.primary.tuned(integral, points)?;
         let mut out = Control { primary, ..self.clone() };
         if let Coefficient::Pilot(n) = self.coefficient {
-            let (alpha, evaluations) = out.pilot(integral, sequence, n)?;
+            let (alpha, evaluations) = out.pilot(integral, points, n)?;
             out.coefficient = Coefficient::Fixed(alpha);
             spent += evaluations;
         }
@@ -125,21 +124,20 @@ where
 
 impl<P: Clone, F, V: Value> Control<P, F, V> {
     /// Cov/Var of `n` pairs of scores.
-    fn pilot<D, G, Q>(&self, integral: &Integral<D, G>, sequence: &Q, n: u64) -> Result<(V, u64), Error>
+    fn pilot<D, G>(&self, integral: &Integral<D, G>, points: &Pcg, n: u64) -> Result<(V, u64), Error>
     where
         D: Domain,
         G: Source<Point = D::Point, Value = V>,
-        Q: Sequence,
         P: Primary<D, V>,
         F: Fn(&D::Point) -> V,
     {
         let (domain, probe) = (integral.domain(), Probe::new(integral));
-        // a cell of its own: the primary's pilot may have read the first
-        let score = |mut u: Q::Sampler| {
+        let score = |mut u: PcgSampler| {
             let f = self.primary.score(domain, &|x| probe.eval(x), &mut u.clone());
             (f, self.primary.score(domain, &|x| if domain.contains(x) { (self.g)(x) } else { V::ZERO }, &mut u))
         };
-        let pairs: Vec<(V, V)> = sequence.points(PILOT + 1, 0, 0..n).map(score).collect();
+        // a cell of its own: the primary's pilot may have read the first
+        let pairs: Vec<(V, V)> = points.points(1, 0, 0..n).map(score).collect();
         probe.check()?;
         let mean = |pick: fn(&(V, V)) -> V| {
             let mut sum = V::ZERO;
@@ -174,17 +172,17 @@ where
     F: Fn(&D::Point) -> V + Clone + Send + Sync,
 {
     /// With a pilot, the variance of the best α: what a pilot without error would find.
-    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V) {
-        let variance = |h: &dyn Fn(&D::Point) -> V| self.primary.moments(domain, nodes, h).1;
+    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> Result<(V, V), Error> {
+        let variance = |h: &dyn Fn(&D::Point) -> V| Ok::<V, Error>(self.primary.moments(domain, nodes, h)?.1);
         let alpha = match self.coefficient {
             Coefficient::Fixed(alpha) => alpha,
             Coefficient::Pilot(_) => {
                 // Cov(Y_f, Y_g) by polarisation
-                let (sum, difference) = (variance(&|x| f(x) + (self.g)(x)), variance(&|x| f(x) - (self.g)(x)));
-                best((sum - difference).scale(0.25), variance(&|x| (self.g)(x)))
+                let (sum, difference) = (variance(&|x| f(x) + (self.g)(x))?, variance(&|x| f(x) - (self.g)(x))?);
+                best((sum - difference).scale(0.25), variance(&|x| (self.g)(x))?)
             }
         };
-        let (mean, variance) = self.primary.moments(domain, nodes, &|x| f(x) - times(alpha, (self.g)(x)));
-        (mean + times(alpha, self.integral), variance)
+        let (mean, variance) = self.primary.moments(domain, nodes, &|x| f(x) - times(alpha, (self.g)(x)))?;
+        Ok((mean + times(alpha, self.integral), variance))
     }
 }

@@ -11,6 +11,7 @@ use super::Density;
 use super::predict::{Predict, density_moments};
 use super::secondary::Primary;
 use crate::domain::{Domain, Node};
+use crate::error::Error;
 use crate::sampling::Sampler;
 use crate::value::Value;
 use std::fmt::Debug;
@@ -28,7 +29,7 @@ impl<D: Domain, V: Value, P: Density<D::Point> + Clone + Debug> Primary<D, V> fo
 }
 
 impl<D: Domain, V: Value, P: Density<D::Point> + Clone + Debug> Predict<D, V> for Importance<P> {
-    fn moments(&self, _: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V) {
-        density_moments(nodes, f, |x| self.0.pdf(x))
+    fn moments(&self, _: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> Result<(V, V), Error> {
+        Ok(density_moments(nodes, f, |x| self.0.pdf(x)))
     }
 }

@@ -10,11 +10,11 @@
 //! the pseudo-inverse serves. Reference: Kondapaneni, Vévoda, Grittmann, Skřivan, Slusallek, Křivánek, *Optimal multiple importance sampling*, ACM
 //! Trans. Graph. 38 (2019) 37; Owen, Zhou, *Safe and effective importance sampling*, JASA 95 (2000) 135.
 
-use super::draw::{PILOT, Probe};
+use super::draw::Probe;
 use super::{Combined, Integral};
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
-use crate::sampling::Sequence;
+use crate::sampling::{Pcg, Sequence};
 use crate::source::Source;
 use crate::value::Value;
 use nalgebra::{DMatrix, DVector};
@@ -60,20 +60,19 @@ impl Sums {
 }
 
 /// α from `n` scores of a pilot, and the evaluations it took.
-pub(super) fn pilot<D, G, Q>(
+pub(super) fn pilot<D, G>(
     combined: &Combined<D::Point>,
     integral: &Integral<D, G>,
-    sequence: &Q,
+    points: &Pcg,
     n: u64,
 ) -> Result<(Vec<Vec<f64>>, u64), Error>
 where
     D: Domain,
     G: Source<Point = D::Point>,
-    Q: Sequence,
 {
     let probe = Probe::new(integral);
     let mut sums = Sums::new(combined.techniques.len(), <G::Value as Value>::COMPONENTS);
-    for mut u in sequence.points(PILOT, 0, 0..n) {
+    for mut u in points.points(0, 0, 0..n) {
         combined.multisample(&mut u, |_, x| {
             let total: f64 = combined.effective(x).sum();
             // the balance estimator of ∫ h/Σ n p: h/(Σ n p)² at every sample

@@ -10,6 +10,7 @@
 use super::predict::{Predict, density_moments};
 use super::secondary::Primary;
 use crate::domain::{Domain, Node};
+use crate::error::Error;
 use crate::sampling::Sampler;
 use crate::value::Value;
 
@@ -26,7 +27,7 @@ impl<D: Domain, V: Value> Primary<D, V> for Plain {
 }
 
 impl<D: Domain, V: Value> Predict<D, V> for Plain {
-    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V) {
-        density_moments(nodes, f, |x| domain.density(x))
+    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> Result<(V, V), Error> {
+        Ok(density_moments(nodes, f, |x| domain.density(x)))
     }
 }

@@ -9,7 +9,10 @@ use crate::value::Value;
 /// A primary estimator with a formula for its variance.
 pub trait Predict<D: Domain, V: Value>: Primary<D, V> {
     /// Mean and variance of a score, with `nodes` as the rule for integrals over the domain. Infinite where a density misses a node with f ≠ 0.
-    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V);
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] where integrals over the domain do not tell.
+    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> Result<(V, V), Error>;
 }
 
 /// A method with a formula for the variance of its estimate.

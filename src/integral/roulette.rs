@@ -11,7 +11,7 @@ use super::predict::Predict;
 use super::{Integral, Primary};
 use crate::domain::{Domain, Node};
 use crate::error::Error;
-use crate::sampling::{Purpose, Sampler, Sequence};
+use crate::sampling::{Pcg, Purpose, Sampler};
 use crate::source::Source;
 use crate::value::Value;
 
@@ -72,19 +72,18 @@ impl<D: Domain, V: Value, P: Primary<D, V>> Primary<D, V> for Roulette<P> {
         self.primary.validate()
     }
 
-    fn tuned<G, Q>(&self, integral: &Integral<D, G>, sequence: &Q) -> Result<(Self, u64), Error>
+    fn tuned<G>(&self, integral: &Integral<D, G>, points: &Pcg) -> Result<(Self, u64), Error>
     where
         G: Source<Point = D::Point, Value = V>,
-        Q: Sequence,
     {
-        let (primary, spent) = self.primary.tuned(integral, sequence)?;
+        let (primary, spent) = self.primary.tuned(integral, points)?;
         Ok((Roulette { primary, ..*self }, spent))
     }
 }
 
 impl<D: Domain, V: Value, P: Predict<D, V>> Predict<D, V> for Roulette<P> {
-    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> (V, V) {
-        let (mean, variance) = self.primary.moments(domain, nodes, f);
-        (mean, variance.zip(mean, |v, i| v / self.survival + i * i * (1.0 / self.survival - 1.0)))
+    fn moments(&self, domain: &D, nodes: &[Node<D::Point>], f: &dyn Fn(&D::Point) -> V) -> Result<(V, V), Error> {
+        let (mean, variance) = self.primary.moments(domain, nodes, f)?;
+        Ok((mean, variance.zip(mean, |v, i| v / self.survival + i * i * (1.0 / self.survival - 1.0))))
     }
 }

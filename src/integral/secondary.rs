@@ -5,7 +5,7 @@
 //! ```
 
 use super::combined::Combined;
-use super::draw::draw;
+use super::draw::{draw, pilot_points};
 use super::{Importance, Integral, Integrator, Plain, Predict, Predictable};
 use crate::domain::{Domain, Point};
 use crate::error::Error;
@@ -32,17 +32,16 @@ pub trait Primary<D: Domain, V: Value>: Clone + Debug + Send + Sync {
         Ok(())
     }
 
-    /// The same estimator with everything fixed that a pilot finds, and the evaluations that the pilot took. A pilot must not share points with the main
-    /// run: what the scores themselves choose is biased (theory (4.4.8)).
+    /// The same estimator with everything fixed that a pilot finds, and the evaluations that the pilot took. `points` are independent of the main run:
+    /// what the scores themselves choose is biased (theory (4.4.8)).
     ///
     /// # Errors
     /// Those of the pilot.
-    fn tuned<G, Q>(&self, integral: &Integral<D, G>, sequence: &Q) -> Result<(Self, u64), Error>
+    fn tuned<G>(&self, integral: &Integral<D, G>, points: &Pcg) -> Result<(Self, u64), Error>
     where
         G: Source<Point = D::Point, Value = V>,
-        Q: Sequence,
     {
-        let _ = (integral, sequence);
+        let _ = (integral, points);
         Ok((self.clone(), 0))
     }
 }
@@ -127,7 +126,7 @@ where
         self.primary.validate()?;
         let randomisations = self.sequence.replicates();
         validate(self.samples, randomisations)?;
-        let (primary, spent) = self.primary.tuned(integral, &self.sequence)?;
+        let (primary, spent) = self.primary.tuned(integral, &pilot_points(&self.sequence))?;
         let replicates = randomisations.unwrap_or(1);
         let count = self.samples.div_ceil(u64::from(replicates));
         let (parts, tail, evaluations) = draw(integral, &self.sequence, 0, (replicates, count), &|probe, u: &mut Q::Sampler| {
@@ -159,7 +158,7 @@ where
         self.primary.validate()?;
         validate(self.samples, None)?;
         let nodes = rule.nodes(integral)?;
-        let (_, variance) = self.primary.moments(integral.domain(), &nodes, &|x| integral.integrand().eval(x));
+        let (_, variance) = self.primary.moments(integral.domain(), &nodes, &|x| integral.integrand().eval(x))?;
         Ok(variance.scale(1.0 / self.samples as f64))
     }
 }

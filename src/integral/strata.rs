@@ -20,19 +20,51 @@ use crate::value::Value;
 #[derive(Clone, Debug, PartialEq)]
 #[must_use]
 pub struct Strata {
-    /// ends and cuts of every axis, ascending from 0 to 1
-    axes: Vec<Vec<f64>>,
+    axes: Vec<Axis>,
 }
+
+/// How one axis is cut.
+#[derive(Clone, Debug, PartialEq)]
+enum Axis {
+    /// into so many equal parts
+    Equal(usize),
+    /// at the places between the ends 0 and 1
+    At(Vec<f64>),
+}
+
+impl Axis {
+    fn parts(&self) -> usize {
+        match self {
+            Axis::Equal(k) => *k,
+            Axis::At(ends) => ends.len() - 1,
+        }
+    }
+
+    /// Ends of part `k`.
+    #[inline]
+    fn side(&self, k: usize) -> (f64, f64) {
+        match self {
+            Axis::Equal(parts) => (k as f64 / *parts as f64, (k + 1) as f64 / *parts as f64),
+            Axis::At(ends) => (ends[k], ends[k + 1]),
+        }
+    }
+}
+
+/// Strata at most.
+const MOST: f64 = 1e9;
+const LIMITS: &str = "must be at least 1 and at most 1e9";
+/// Axes at most, if they are cut at all: more have more than [`MOST`] parts.
+const AXES: usize = 64;
 
 impl Strata {
     /// One axis in `k` equal parts.
     pub fn uniform(k: usize) -> Self {
-        Strata { axes: vec![(0..=k).map(|i| i as f64 / k as f64).collect()] }
+        Strata { axes: vec![Axis::Equal(k)] }
     }
 
     /// One axis, cut at the given places in (0, 1), ascending.
     pub fn cut_at(places: &[f64]) -> Self {
-        Strata { axes: vec![[&[0.0], places, &[1.0]].concat()] }
+        Strata { axes: vec![Axis::At([&[0.0], places, &[1.0]].concat())] }
     }
 
     /// The axes of both, one after the other: every part of the one with every part of the other.
@@ -43,8 +75,8 @@ impl Strata {
 
     /// A grid of `k`^D equal cells.
     pub fn grid(k: usize, dimensions: usize) -> Self {
-        let axis = Strata::uniform(k).axes.swap_remove(0);
-        Strata { axes: vec![axis; dimensions] }
+        // beyond: too many to be solved with, or axes of one part, which change nothing
+        Strata { axes: vec![Axis::Equal(k); dimensions.min(AXES)] }
     }
 
     /// `k` strata adapted to the shape of a one-dimensional integrand, for [`Plain`](super::Plain) with equal counts: narrow where |f′| is large.
@@ -64,8 +96,8 @@ impl Strata {
                 "adapted strata need a one-dimensional domain of one state",
             ));
         }
-        if k == 0 {
-            return Err(Error::invalid("strata", 0.0, "must be at least 1"));
+        if k == 0 || k as f64 > MOST {
+            return Err(Error::invalid("strata", k as f64, LIMITS));
         }
         let cells = 16 * k;
         let mut values = Vec::with_capacity(cells + 1);
@@ -90,13 +122,13 @@ impl Strata {
             }
         }
         axis.push(1.0);
-        Ok(Strata { axes: vec![axis] })
+        Ok(Strata { axes: vec![Axis::At(axis)] })
     }
 
-    /// Number of strata.
+    /// Number of strata; the largest number there is where it is larger still.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.axes.iter().map(|a| a.len() - 1).product()
+        self.axes.iter().fold(1, |count: usize, axis| count.saturating_mul(axis.parts()))
     }
 
     /// v_i.
@@ -108,10 +140,9 @@ impl Strata {
     pub(super) fn sides(&self, i: usize) -> impl Iterator<Item = (f64, f64)> {
         let mut rest = i;
         self.axes.iter().map(move |axis| {
-            let parts = axis.len() - 1;
-            let k = rest % parts;
-            rest /= parts;
-            (axis[k], axis[k + 1])
+            let k = rest % axis.parts();
+            rest /= axis.parts();
+            axis.side(k)
         })
     }
 
@@ -121,16 +152,15 @@ impl Strata {
 
     pub(super) fn validate(&self) -> Result<(), Error> {
         for axis in &self.axes {
-            if axis.len() < 2 {
-                return Err(Error::invalid("strata", 0.0, "must be at least 1"));
-            }
-            if let Some(w) = axis.windows(2).find(|w| !(w[0] < w[1])) {
+            if let Axis::At(ends) = axis
+                && let Some(w) = ends.windows(2).find(|w| !(w[0] < w[1]))
+            {
                 return Err(Error::invalid("cut", w[1].min(w[0]), "cuts must ascend strictly inside (0, 1)"));
             }
         }
-        let count = self.axes.iter().map(|a| (a.len() - 1) as f64).product::<f64>();
-        if self.axes.is_empty() || count > 1e9 {
-            return Err(Error::invalid("strata", count, "must be at least 1 and at most 1e9"));
+        let count = self.axes.iter().map(|a| a.parts() as f64).product::<f64>();
+        if self.axes.is_empty() || !(1.0..=MOST).contains(&count) {
+            return Err(Error::invalid("strata", if self.axes.is_empty() { 0.0 } else { count }, LIMITS));
         }
         Ok(())
     }
@@ -157,12 +187,11 @@ impl<S: Sampler> Sampler for Confined<'_, S> {
     fn next_1d(&mut self) -> f64 {
         let t = self.u.next_1d();
         let Some(axis) = self.strata.axes.get(self.axis) else { return t };
-        let parts = axis.len() - 1;
-        let k = self.rest % parts;
-        self.rest /= parts;
+        let (lower, upper) = axis.side(self.rest % axis.parts());
+        self.rest /= axis.parts();
         self.axis += 1;
         // the sum may round to the upper end, which belongs to the neighbour, or is 1
-        (axis[k] + t * (axis[k + 1] - axis[k])).min(axis[k + 1].next_down())
+        (lower + t * (upper - lower)).min(upper.next_down())
     }
     fn seek(&mut self, vertex: u64, purpose: Purpose) {
         self.u.seek(vertex, purpose);

@@ -9,7 +9,7 @@
 //! strata at all (theory (4.14.5)). Reference: Cochran, *Sampling techniques* (1977), ch. 5; Haber, *A modified Monte-Carlo quadrature*, Math.
 //! Comp. 20 (1966) 361.
 
-use super::draw::{BATCH, CHUNK, Drawn, PILOT, Probe, all, chunk};
+use super::draw::{BATCH, CHUNK, Drawn, Probe, all, chunk, pilot_points};
 use super::plain::Plain;
 use super::secondary::{Primary, validate};
 use super::{Allocation, Integral, Integrator, Strata};
@@ -56,7 +56,7 @@ impl Stratified {
 
     /// One sample in each stratum, the whole repeated `replicates` times. Equal strata make it jittered sampling.
     pub fn jittered(strata: Strata, replicates: u32) -> Self {
-        let samples = strata.count() as u64 * u64::from(replicates);
+        let samples = (strata.count() as u64).saturating_mul(u64::from(replicates));
         Stratified { allocation: Allocation::Equal, samples, replicates, ..Stratified::new(strata) }
     }
 }
@@ -69,7 +69,7 @@ impl<P> Stratified<P> {
     }
 }
 
-impl<P, Q: Sequence> Stratified<P, Q> {
+impl<P: Clone, Q: Sequence> Stratified<P, Q> {
     /// Scores in all strata and replicates together, rounded up in every stratum.
     pub fn samples(self, samples: u64) -> Self {
         Stratified { samples, ..self }
@@ -161,16 +161,16 @@ impl<P, Q: Sequence> Stratified<P, Q> {
         Ok(sum)
     }
 
-    /// σ_i of every stratum from a pilot, and the evaluations.
-    fn spread<D, G>(&self, integral: &Integral<D, G>, primary: &P) -> Result<(Vec<f64>, u64), Error>
+    /// σ_i of every stratum from a pilot on points of its own, and the evaluations.
+    fn spread<D, G>(&self, integral: &Integral<D, G>, primary: &P, points: &Pcg) -> Result<(Vec<f64>, u64), Error>
     where
         D: Domain,
         G: Source<Point = D::Point>,
         P: Primary<D, G::Value>,
     {
         let Allocation::Neyman { pilot } = self.allocation else { return Ok((Vec::new(), 0)) };
-        // far from the cells of the primary's own pilots
-        let parts = self.replicate(integral, primary, (PILOT + (1 << 32), 0), &vec![pilot; self.strata.count()])?;
+        // the first cells belong to the primary's own pilots
+        let parts = self.clone().sequence(*points).replicate(integral, primary, (2, 0), &vec![pilot; self.strata.count()])?;
         let evaluations = parts.iter().map(|p| p.evaluations).sum();
         let spread = parts.iter().map(|p| p.moments.variance().map_or(0.0, |v| v.magnitude().sqrt())).collect();
         Ok((spread, evaluations))
@@ -218,8 +218,9 @@ where
         self.allocation.validate()?;
         let repetitions = self.repetitions();
         validate(self.samples, Some(repetitions))?;
-        let (primary, tuning) = self.primary.tuned(integral, &self.sequence)?;
-        let (spread, pilot) = self.spread(integral, &primary)?;
+        let points = pilot_points(&self.sequence);
+        let (primary, tuning) = self.primary.tuned(integral, &points)?;
+        let (spread, pilot) = self.spread(integral, &primary, &points)?;
         let counts = self.allocation.counts(&self.strata, self.samples.div_ceil(u64::from(repetitions)), &spread);
         let (mut wholes, mut evaluations, mut within) = (Vec::new(), tuning + pilot, None);
         for r in 0..repetitions {

@@ -3,9 +3,9 @@
 use super::secondary::validate;
 use super::{Gauss, Integral, Plain, Predictable, Stratified};
 use crate::deterministic::quadrature::composite_unit_rule;
-use crate::domain::Domain;
+use crate::domain::{Domain, Node};
 use crate::error::Error;
-use crate::sampling::Pcg;
+use crate::sampling::{Pcg, Sampler};
 use crate::source::Source;
 use crate::value::Value;
 
@@ -47,15 +47,9 @@ impl Stratified<Plain, Pcg> {
         let sides: Vec<_> = self.strata.sides(i).chain(std::iter::repeat((0.0, 1.0))).take(domain.dimension()).collect();
         let unit = composite_unit_rule(rule.panels, rule.order);
         let score = |index: usize| {
-            let (mut rest, mut weight, mut axis) = (index, 1.0, 0);
-            let node = domain.place(0, || {
-                let n = unit[rest % unit.len()];
-                rest /= unit.len();
-                weight *= n.weight;
-                axis += 1;
-                sides[axis - 1].0 + n.point * (sides[axis - 1].1 - sides[axis - 1].0)
-            });
-            (integral.integrand().eval(&node.point).scale(node.weight), weight)
+            let mut u = OnNode { unit: &unit, rest: index, sides: sides.iter(), weight: 1.0 };
+            let node = domain.sample(&mut u);
+            (integral.integrand().eval(&node.point).scale(node.weight), u.weight)
         };
         let count = unit.len().pow(domain.dimension() as u32);
         let (mut mean, mut variance) = (G::Value::ZERO, G::Value::ZERO);
@@ -65,5 +59,24 @@ impl Stratified<Plain, Pcg> {
             return Err(Error::NonFiniteIntegrand { at: format!("stratum {i}"), value: format!("{mean:?}") });
         }
         Ok(variance)
+    }
+}
+
+/// A sampler that reads one node of a tensor rule on a part of the cube: what random points are made of, not the domain's rule, which may have another map.
+struct OnNode<'a> {
+    unit: &'a [Node<f64>],
+    /// the node's number, the axes read so far divided out
+    rest: usize,
+    sides: std::slice::Iter<'a, (f64, f64)>,
+    weight: f64,
+}
+
+impl Sampler for OnNode<'_> {
+    fn next_1d(&mut self) -> f64 {
+        let (lower, upper) = self.sides.next().copied().unwrap_or((0.0, 1.0));
+        let node = self.unit[self.rest % self.unit.len()];
+        self.rest /= self.unit.len();
+        self.weight *= node.weight;
+        lower + node.point * (upper - lower)
     }
 }

@@ -12,10 +12,12 @@
 //! | [`TransitionPdf`] | `pdf(x, y)` | sub-density π of `step` | MIS, variance prediction |
 //! | [`Absorbing`] | `absorption(x)` | P(step = None) | absorption estimator |
 //! | [`RowMass`] | `mass(x)` | M(x) = ∫ \|K(x, y)\| dμ(y) | subcritical sampling |
+//! | [`HasAdjoint`] | `adjoint()` | K†(y, x) = K(x, y)ᵀ | forward and bidirectional walks |
 //! | [`HasDomain`] | `domain()` | where x lives, its measure | Nyström, proposals |
 //!
 //! [`check`](crate::check) tests each law on a kernel of your own.
 
+mod adjoint;
 mod closure;
 mod difference;
 mod proposal;
@@ -23,6 +25,7 @@ mod series;
 mod step;
 mod tabulated;
 
+pub use adjoint::{AdjointProposal, Both, HasAdjoint, Transposed};
 pub use closure::{KernelFn, kernel_fn};
 pub use difference::{DifferenceFn, Singularity, Split, SplitFn, difference_fn, split_fn};
 pub use proposal::{Proposal, Proposed, Uniform};

@@ -23,12 +23,13 @@
 
 mod discrepancy;
 pub mod distribution;
-mod hash;
+pub(crate) mod hash;
 mod pcg;
 mod sequence;
 mod table;
 
 pub use discrepancy::{Bounds, PointSet};
+pub(crate) use hash::midpoint;
 pub use pcg::{Pcg, PcgSampler};
 pub use sequence::{
     Coordinates, Halton, HaltonPoint, Hammersley, HammersleyPoint, LatinHypercube, Layout, PointSampler, Sobol, SobolPoint, Stratified,
@@ -130,6 +131,11 @@ pub trait Sequence: Copy + Debug + Send + Sync + 'static {
     /// from which it comes (Student, theory (4.14.4)).
     fn replicates(&self) -> Option<u32> {
         None
+    }
+
+    /// Whether cells and replicates differ: `false` for the points of the textbook, which exist only once.
+    fn is_randomised(&self) -> bool {
+        true
     }
 
     /// Kind and seed in words, to tell whether a checkpoint belongs to this sequence.

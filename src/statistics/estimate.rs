@@ -25,6 +25,8 @@ pub enum Verdict {
     Trustworthy,
     /// The interval may be too short: skewed scores, an unreliable variance, or too few samples.
     Doubtful,
+    /// No standard error is known: one sample, one replicate.
+    Unmeasured,
     /// No score was different from zero: the value is unknown, not zero (rule of three: with 95 % confidence fewer than 3/N walks score).
     NothingScored,
     /// The scores look as if their variance were infinite; the interval means nothing.
@@ -36,6 +38,7 @@ impl fmt::Display for Verdict {
         f.pad(match self {
             Verdict::Trustworthy => "trustworthy",
             Verdict::Doubtful => "doubtful: the error itself is uncertain; take more samples",
+            Verdict::Unmeasured => "no standard error: one sample or one replicate tells none",
             Verdict::NothingScored => "nothing scored: the value is unknown, not zero",
             Verdict::InfiniteVariance => "infinite variance suspected: do not use the error; change the proposal",
         })
@@ -108,9 +111,9 @@ impl<V: Value> Estimate<V> {
 
     /// Student interval `value ± half_width` that covers the truth with probability `confidence` ∈ (0, 1), per component.
     ///
-    /// `None` without a standard error, or with `confidence` outside (0, 1).
+    /// `None` without a standard error, where nothing scored, or with `confidence` outside (0, 1).
     pub fn half_width(&self, confidence: f64) -> Option<V> {
-        if !(confidence > 0.0 && confidence < 1.0) || self.degrees_of_freedom == 0 {
+        if !(confidence > 0.0 && confidence < 1.0) || self.degrees_of_freedom == 0 || self.moments.nonzero == 0 {
             return None;
         }
         let t = StudentsT::new(0.0, 1.0, self.degrees_of_freedom as f64).ok()?.inverse_cdf(0.5 + confidence / 2.0);
@@ -161,6 +164,9 @@ impl<V: Value> Estimate<V> {
             // scores that are all exactly zero may be right (g = 0): the caller knows, we do not
             return Verdict::NothingScored;
         }
+        if self.std_error.is_none() {
+            return Verdict::Unmeasured;
+        }
         let n = self.samples() as f64;
         let m = &self.moments;
         if ![m.mean, m.m2, m.m3, m.m4].iter().all(V::all_finite) {
@@ -207,6 +213,8 @@ fn parenthesised(value: f64, error: f64) -> String {
 impl<V: Value> fmt::Display for Estimate<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let one = |i: usize| match self.std_error {
+            // an error of 0 of scores that are all 0 is none: the value is unknown
+            Some(se) if self.value.component(i) == 0.0 && se.component(i) == 0.0 => "0(?)".into(),
             // an error below the rounding of the value has no digit that could be printed
             Some(se) if se.component(i) <= 0.25 * f64::EPSILON * self.value.component(i).abs() => format!("{}(0)", self.value.component(i)),
             Some(se) => parenthesised(self.value.component(i), se.component(i)),

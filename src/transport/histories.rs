@@ -124,7 +124,7 @@ impl<T: Tally> Histories<T> {
     /// [`Error::NonFiniteSource`]; [`Error::WalkTooLong`].
     pub fn run<S>(&self, slab: &Slab, source: &S) -> Result<Outcome<T::Flux>, Error>
     where
-        S: Emit<Point = f64, Value = f64>,
+        S: Emit<Point = f64, Value = f64, State = f64>,
     {
         let clock = Instant::now();
         slab.validate()?;
@@ -151,7 +151,7 @@ impl<T: Tally> Histories<T> {
 
     fn batch<S>(&self, slab: &Slab, source: &S, grid: &Grid, from: u64, size: u64) -> Result<Batch<T::Bins>, Error>
     where
-        S: Emit<Point = f64, Value = f64>,
+        S: Emit<Point = f64, Value = f64, State = f64>,
     {
         let mut batch = Batch { bins: self.tally.empty(grid), collisions: 0, counts: [0; 3], weights: [0.0; 3] };
         // the next history's point is prepared while this one runs: its hash then costs no latency

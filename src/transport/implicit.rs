@@ -13,7 +13,7 @@
 use super::Slab;
 use crate::domain::Interval;
 use crate::error::Error;
-use crate::kernel::{Absorbing, HasDomain, Kernel, Operator, RowMass, Series, Step, Transition, TransitionPdf};
+use crate::kernel::{Absorbing, HasAdjoint, HasDomain, Kernel, Operator, RowMass, Series, Step, Transition, TransitionPdf};
 use crate::sampling::Sampler;
 
 /// A [`Slab`] whose walks are never captured and carry the weight c a step; see [`Slab::implicit_capture`].
@@ -65,6 +65,14 @@ impl HasDomain for ImplicitCapture {
     type Domain = Interval;
     fn domain(&self) -> &Interval {
         self.slab.domain()
+    }
+}
+
+/// Symmetric in x and y, the flight too: its own adjoint.
+impl HasAdjoint for ImplicitCapture {
+    type Adjoint = ImplicitCapture;
+    fn adjoint(&self) -> Result<ImplicitCapture, Error> {
+        Ok(self.clone())
     }
 }
 

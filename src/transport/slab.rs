@@ -15,7 +15,7 @@ use super::{BeamSource, ImplicitCapture, UniformSource};
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
 use crate::kernel::{
-    Absorbing, HasDomain, Kernel, Operator, RowMass, Series, Singularity, Split, Step, Transition, TransitionPdf, series_of,
+    Absorbing, HasAdjoint, HasDomain, Kernel, Operator, RowMass, Series, Singularity, Split, Step, Transition, TransitionPdf, series_of,
 };
 use crate::sampling::Sampler;
 use crate::source::{SourceFn, source_fn};
@@ -163,6 +163,14 @@ impl HasDomain for Slab {
     type Domain = Interval;
     fn domain(&self) -> &Interval {
         &self.domain
+    }
+}
+
+/// Symmetric in x and y, the flight too: its own adjoint.
+impl HasAdjoint for Slab {
+    type Adjoint = Slab;
+    fn adjoint(&self) -> Result<Slab, Error> {
+        Ok(self.clone())
     }
 }
 

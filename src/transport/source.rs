@@ -3,7 +3,7 @@
 use crate::domain::{Domain, Interval, Node};
 use crate::error::Error;
 use crate::sampling::Sampler;
-use crate::source::{Birth, Emit, SampleSource, Source};
+use crate::source::{Birth, Emit, EmitPdf, SampleSource, Source};
 
 /// S(x) = strength, everywhere in the slab; see [`Slab::uniform`](super::Slab::uniform).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,10 +45,18 @@ impl SampleSource for UniformSource {
 }
 
 impl Emit for UniformSource {
+    type State = f64;
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<f64, f64> {
         let n = self.slab.sample(u);
         Birth { point: n.point, weight: self.strength * n.weight }
+    }
+}
+
+impl EmitPdf for UniformSource {
+    #[inline]
+    fn emit_pdf(&self, z: &f64) -> f64 {
+        self.slab.density(z)
     }
 }
 
@@ -118,8 +126,16 @@ impl SampleSource for BeamSource {
 }
 
 impl Emit for BeamSource {
+    type State = f64;
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<f64, f64> {
         Birth { point: self.invert(u.next_1d()), weight: self.cosine * self.collided }
+    }
+}
+
+impl EmitPdf for BeamSource {
+    #[inline]
+    fn emit_pdf(&self, z: &f64) -> f64 {
+        self.pdf_for(z, z)
     }
 }

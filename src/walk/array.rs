@@ -17,6 +17,7 @@
 //! Reference: L'Ecuyer, Lécot, Tuffin, *A randomized quasi-Monte Carlo simulation method for Markov chains*, Oper. Res. 56 (2008) 958.
 
 use super::Walk;
+use super::backward::{Backward, start};
 use super::driver::{Driver, End};
 use super::ending::{Ending, Roulette};
 use super::observer::Recorder;
@@ -27,6 +28,7 @@ use crate::equation::{Equation, Method};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Operator, Transition};
 use crate::parallel;
+use crate::sampling::hash::word;
 use crate::sampling::{Purpose, Sampler, Sequence};
 use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
@@ -121,7 +123,7 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
 
     /// Cell of the sequence for a step of a detector cell: no two steps share a randomisation.
     fn step_cell(cell: usize, depth: u64) -> u64 {
-        ((cell as u64) << 40) | depth
+        word(cell as u64, depth)
     }
 
     /// All chains of one replicate, from their starts to their ends. `watch` sees the point that every chain reads at every step.
@@ -141,9 +143,10 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
         D: Detector<Point = G::Point>,
     {
         let Walk { scoring, ending, sequence, max_steps, .. } = &self.walk;
-        let driver = Driver { equation, scoring, ending, max_steps: *max_steps };
+        let mut errand = Backward { equation, scoring };
+        let driver = Driver { kernel: equation.kernel(), ending, max_steps: *max_steps };
         let points = |depth, count| sequence.points(Self::step_cell(cell, depth), replicate, 0..count).map(OneStep);
-        let mut lanes: Vec<_> = points(0, chains).enumerate().map(|(i, u)| super::run::start(detector, cell, i, u)).collect();
+        let mut lanes: Vec<_> = points(0, chains).enumerate().map(|(i, u)| start(detector, cell, i, u)).collect();
         lanes.iter().enumerate().for_each(|(i, lane)| watch(i, lane.sampler()));
         let mut ranks: Vec<u32> = (0..chains as u32).collect();
         let mut out = Array { scores: vec![G::Value::ZERO; chains as usize], steps: 0, cut: 0, truncated: 0 };
@@ -157,7 +160,7 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
                     lanes[*rank as usize].read(u);
                 }
             }
-            out.steps += driver.advance(&mut lanes, &mut ranks, depth, &mut (), &mut |walk| {
+            out.steps += driver.advance(&mut errand, &mut lanes, &mut ranks, depth, &mut (), &mut |walk| {
                 match walk.end {
                     End::Cut => {
                         out.cut += 1;
@@ -207,9 +210,10 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
         let walk = chain as u64;
         let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk };
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
-        let driver = Driver { equation, scoring, ending, max_steps: *max_steps };
-        let mut lane = [super::run::start(detector, cell, 0, Replayed { points: &points, now: points[0].clone() })];
-        driver.backward(&mut lane, &mut Vec::new(), &mut recorder, |_| {});
+        let mut errand = Backward { equation, scoring };
+        let driver = Driver { kernel: equation.kernel(), ending, max_steps: *max_steps };
+        let mut lane = [start(detector, cell, 0, Replayed { points: &points, now: points[0].clone() })];
+        driver.walk(&mut errand, &mut lane, &mut Vec::new(), &mut recorder, |_| {});
         let (vertex, last) = (recorder.vertices.len() as u64 - 1, recorder.vertices.last().expect("a walk has a start"));
         let unexplained = Error::Overflow { cell, walk, vertex, at: format!("{:?}", last.point), weight: format!("{:?}", last.weight) };
         Err(recorder.fault.unwrap_or(unexplained))
@@ -236,8 +240,12 @@ where
         if chains > u64::from(u32::MAX) {
             return Err(Error::invalid("chains a replicate", chains as f64, "must fit into 32 bits: all are held in memory"));
         }
-        if self.walk.max_steps >= 1 << 40 {
-            return Err(Error::invalid("max_steps", self.walk.max_steps as f64, "must be below 2⁴⁰ for sorted chains"));
+        if !self.walk.sequence.is_randomised() {
+            return Err(Error::invalid(
+                "replicates",
+                1.0,
+                "must be randomised for sorted chains: all steps would share the points of the textbook",
+            ));
         }
         let tasks = detector.cells() * replicates as usize;
         // behind a vtable: one call a replicate

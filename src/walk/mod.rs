@@ -5,22 +5,32 @@
 //! - *What is scored*: [`Collision`], [`Absorption`], [`NextEvent`], [`Mis`].
 //!
 //! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
-//! [`Walk::fixed_depth`]; every part can be exchanged.
+//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel.
 
 mod array;
+mod backward;
+mod bidirectional;
 mod driver;
 mod ending;
+mod estimator;
+mod forward;
 mod observer;
 mod order;
+mod profile;
+mod replay;
 mod rounds;
 mod run;
 mod scoring;
 
 pub use array::ArrayRqmc;
+pub use bidirectional::{Beyond, Bidirectional, Connect, PairEstimator, PairMemory, Strategies, Strategy};
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
+pub use estimator::WalkEstimator;
+pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
+pub use profile::{Basis, Expansion, Histogram, KernelTally, Plan, PlanOf, Profiling, Smoothed, SmoothingKernels, Tally};
 pub use rounds::{Round, Rounds};
 pub use run::Checkpoint;
 pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, Scoring, Technique, Visit};
@@ -150,6 +160,16 @@ impl<C, E, Q> Walk<C, E, Q> {
         self.ending(FixedDepth(depth))
     }
 
+    /// The same walks, scored by another rule.
+    pub(crate) fn scored_by<D>(&self, scoring: D) -> Walk<D, E, Q>
+    where
+        E: Copy,
+        Q: Copy,
+    {
+        let Walk { ending, sequence, samples, max_steps, divergence, .. } = *self;
+        Walk { scoring, ending, sequence, samples, max_steps, divergence }
+    }
+
     /// How walks end.
     pub(crate) fn ends_by(&self) -> &E {
         &self.ending
@@ -200,7 +220,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if cell >= detector.cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
         }
-        Ok(run::replay(self, equation, detector, cell, 0, walk).1)
+        Ok(replay::replay(self, equation, detector, cell, 0, walk).1)
     }
 
     /// Everything that can be refused before the first walk; returns what is known of the truncation bias.
@@ -215,8 +235,25 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
     {
         equation.validate()?;
         detector.validate()?;
-        self.ending.validate()?;
         self.scoring.validate(equation, &self.ending)?;
+        self.budgeted(equation, equation.kernel(), || detector.norm())
+    }
+
+    /// What can be refused of walks along `along`, the kernel or its adjoint, for a detector of ∫ |h| dμ ≤ `norm`.
+    fn budgeted<G, K, A>(
+        &self,
+        equation: &Equation<G, K>,
+        along: &A,
+        norm: impl FnOnce() -> Option<f64>,
+    ) -> Result<Option<Truncation>, Error>
+    where
+        G: Source,
+        K: Operator<Point = G::Point>,
+        K::Weight: Weight<Value = G::Value>,
+        A: Transition,
+        E: Ending<A>,
+    {
+        self.ending.validate()?;
         if self.samples == 0 {
             return Err(Error::invalid("samples_per_cell", 0.0, "must be at least 1"));
         }
@@ -226,9 +263,10 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if self.sequence.replicates() == Some(0) {
             return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
         }
-        if !self.ending.ends() && equation.kernel().never_absorbs() {
+        if !self.ending.ends() && along.never_absorbs() {
             return Err(Error::NeverEnds);
         }
+        // K and its transpose have one spectrum
         let series = equation.kernel().series()?;
         if let (Series::Known(s), Divergence::Refuse, None) = (&series, self.divergence, self.ending.cut()) {
             let radius = s.radius();
@@ -243,7 +281,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
                 // |⟨h, Σ_{n > D} Tⁿg⟩| ≤ ∫|h| · sup
                 Series::Known(s) => {
                     let sup = s.truncation_bound(depth, |x| equation.source().eval(x));
-                    sup.zip(detector.norm()).map(|(sup, norm)| sup * norm)
+                    sup.zip(norm()).map(|(sup, norm)| sup * norm)
                 }
                 Series::Unknown => None,
             },

@@ -12,6 +12,21 @@ pub trait Observer<X, W: Weight> {
     fn vertex(&mut self, x: &X, w: &W) {
         let _ = (x, w);
     }
+    /// A vertex of a forward walk was reached with the value `v`.
+    #[inline]
+    fn value(&mut self, z: &X, v: &W::Value) {
+        let _ = (z, v);
+    }
+    /// A forward walk at z scored in a cell of the detector.
+    #[inline]
+    fn tally(&mut self, z: &X, cell: usize, score: &W::Value) {
+        let _ = (z, cell, score);
+    }
+    /// A step from x to y goes along a Dirac part of the kernel, which a scoring rule cannot account for.
+    #[inline]
+    fn singular(&mut self, x: &X, y: &X, needed_by: &'static str) {
+        let _ = (x, y, needed_by);
+    }
     /// g(x) was evaluated.
     #[inline]
     fn source(&mut self, x: &X, g: &W::Value) {

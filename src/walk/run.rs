@@ -1,7 +1,8 @@
 //! Many walks: cut into chunks by the problem, never by the thread; merged serially in index order.
 
-use super::driver::{Driver, End, Lane};
-use super::observer::{Recorder, Trace};
+use super::backward::{Backward, start};
+use super::driver::{Driver, End};
+use super::replay::replay;
 use super::scoring::Scoring;
 use super::{Ending, Walk};
 use crate::detector::Detector;
@@ -9,7 +10,7 @@ use crate::equation::Equation;
 use crate::error::Error;
 use crate::kernel::{Operator, Transition};
 use crate::parallel;
-use crate::sampling::{Purpose, Sampler, Sequence};
+use crate::sampling::Sequence;
 use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
 use crate::value::{Value, Weight};
@@ -17,17 +18,17 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// Walks in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
-const CHUNK: u64 = 1024;
+pub(super) const CHUNK: u64 = 1024;
 /// The same for detectors of many cells: an image has few walks a pixel, and its first round shall come soon.
 const SMALL_CHUNK: u64 = 16;
 /// Walks abreast: enough to hide latencies, few enough for the first cache where weights are numbers.
-const FRONT: usize = 128;
+pub(super) const FRONT: usize = 128;
 /// Chunks in flight before they are merged: bounds memory on long runs.
-const BATCH: usize = 4096;
+pub(super) const BATCH: usize = 4096;
 /// The same where every cell has one chunk.
 const WIDE_BATCH: usize = 1 << 16;
 /// Detectors with more cells keep no tails: 256 numbers a cell would outweigh an image.
-const CELLS_WITH_TAILS: usize = 1024;
+pub(super) const CELLS_WITH_TAILS: usize = 1024;
 
 /// The state of one detector cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -208,14 +209,15 @@ where
         let mut scores = vec![G::Value::ZERO; (to - from) as usize];
         let (mut steps, mut cut, mut truncated) = (0, 0, 0);
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
-        let driver = Driver { equation: self.equation, scoring, ending, max_steps: *max_steps };
+        let mut errand = Backward { equation: self.equation, scoring };
+        let driver = Driver { kernel: self.equation.kernel(), ending, max_steps: *max_steps };
         let mut points = self.walk.sequence.points(cell as u64, replicate, from..to);
         let (mut lanes, mut ranks) = (Vec::with_capacity(FRONT.min(scores.len())), Vec::new());
         for (scores, first) in scores.chunks_mut(FRONT).zip((from..).step_by(FRONT)) {
             lanes.clear();
             lanes.extend(points.by_ref().take(FRONT).enumerate().map(|(i, u)| start(self.detector, cell, i, u)));
             let mut too_long = None;
-            steps += driver.backward(&mut lanes, &mut ranks, &mut (), |walk| {
+            steps += driver.walk(&mut errand, &mut lanes, &mut ranks, &mut (), |walk| {
                 match walk.end {
                     End::Cut => {
                         cut += 1;
@@ -276,37 +278,4 @@ where
             elapsed: self.state.elapsed,
         }
     }
-}
-
-/// A walk at its start.
-#[inline]
-pub(super) fn start<D: Detector, W: Weight, S: Sampler>(detector: &D, cell: usize, walk: usize, mut u: S) -> Lane<D::Point, W, S> {
-    u.seek(0, Purpose::Start);
-    Lane::new(walk, detector.start(cell, &mut u), u)
-}
-
-/// One walk again, recorded.
-pub(super) fn replay<G, K, D, C, E, Q>(
-    walk: &Walk<C, E, Q>,
-    equation: &Equation<G, K>,
-    detector: &D,
-    cell: usize,
-    replicate: u32,
-    index: u64,
-) -> (Option<Error>, Trace<K::Point, K::Weight>)
-where
-    G: Source,
-    K: Transition + Operator<Point = G::Point>,
-    K::Weight: Weight<Value = G::Value>,
-    C: Scoring<G, K>,
-    E: Ending<K>,
-    Q: Sequence,
-    D: Detector<Point = G::Point>,
-{
-    let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
-    let mut lane = [start(detector, cell, 0, walk.sequence.point(cell as u64, replicate, index))];
-    let mut outcome = (G::Value::ZERO, End::TooLong);
-    let driver = Driver { equation, scoring: &walk.scoring, ending: &walk.ending, max_steps: walk.max_steps };
-    driver.backward(&mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
-    (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.0, end: outcome.1 })
 }

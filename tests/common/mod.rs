@@ -55,6 +55,10 @@ const REGISTERED: &[(&str, u32)] = &[
     ("integral::array", 20),
     ("integral::array coverage", 2),
     ("integral::array plain", 1),
+    ("bidirectional::combination", 4),
+    ("bidirectional::debias", 8),
+    ("bidirectional::metropolis", 16),
+    ("bidirectional::metropolis coverage", 3),
 ];
 
 /// The share of one test.

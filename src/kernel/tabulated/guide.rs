@@ -1,7 +1,7 @@
 //! Importance: steps towards where the walk will score.
 
-use super::Tabulated;
 use super::shell::{Shell, scale};
+use super::{Guidance, Tabulated};
 use crate::domain::Domain;
 use crate::sampling::Table;
 
@@ -30,6 +30,7 @@ impl<D: Domain> Tabulated<D> {
             let weights: Vec<f64> = table.weights().zip(&columns[i]).map(|(w, &c)| w * u[c]).collect();
             row.table = Table::new(&weights);
         }
+        self.guidance = Guidance::Importance;
         self
     }
 

@@ -34,6 +34,16 @@ pub struct Tabulated<D> {
     rows: Vec<Row>,
     cells: usize,
     groups: usize,
+    guidance: Guidance,
+}
+
+/// What the entries of the table are proportional to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Guidance {
+    /// |K(x, y)|
+    Kernel,
+    /// |K(x, y)| u(y), see [`Tabulated::guided`]
+    Importance,
 }
 
 #[derive(Clone, Debug)]
@@ -69,7 +79,22 @@ impl<D: Domain> Tabulated<D> {
         }
         let groups = domain.states();
         let rows = crate::parallel::map(groups * cells, |i| Probe { kernel, cells, state: i / cells, cell: i % cells }.row());
-        Ok(Tabulated { domain: domain.clone(), rows: rows.into_iter().collect::<Result<_, _>>()?, cells, groups })
+        Ok(Tabulated {
+            domain: domain.clone(),
+            rows: rows.into_iter().collect::<Result<_, _>>()?,
+            cells,
+            groups,
+            guidance: Guidance::Kernel,
+        })
+    }
+
+    /// A table of another kernel, as fine as this one and guided if it is.
+    pub(crate) fn again<K>(&self, kernel: &K) -> Result<Self, Error>
+    where
+        K: Kernel + HasDomain<Domain = D, Point = D::Point>,
+    {
+        let table = Tabulated::new(kernel, self.cells)?;
+        Ok(if self.guidance == Guidance::Importance { table.guided() } else { table })
     }
 
     #[inline]

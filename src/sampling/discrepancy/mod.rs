@@ -53,8 +53,12 @@ impl PointSet {
     /// The first `dimension` coordinates of the first points of a sequence (cell 0, replicate 0).
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// As [`new`](Self::new), and beyond 10⁹ coordinates.
     pub fn draw<Q: Sequence>(sequence: &Q, dimension: usize, points: u64) -> Result<Self, Error> {
+        let count = points as f64 * dimension as f64;
+        if count > 1e9 {
+            return Err(Error::invalid("number of coordinates", count, "must not exceed 1e9: all are held in memory"));
+        }
         let mut coordinates = vec![0.0; points as usize * dimension];
         sequence.fill(0, 0, 0..points, &mut coordinates);
         Self::checked(dimension, coordinates)

@@ -59,6 +59,10 @@ impl Sequence for Halton {
     fn replicates(&self) -> Option<u32> {
         Some(self.settings.replicates)
     }
+
+    fn is_randomised(&self) -> bool {
+        self.settings.is_randomised()
+    }
 }
 
 /// One Halton point.

@@ -5,16 +5,17 @@
 
 use super::cursor::{Coordinates, PointSampler};
 use super::halton::{Halton, HaltonPoint};
+use super::permutation::permuted;
 use super::settings::{Scrambling, Settings, common_settings};
 use crate::error::Error;
 use crate::sampling::Sequence;
-use crate::sampling::hash::{below, midpoint, open_unit, word};
+use crate::sampling::hash::{midpoint, open_unit, word};
 
 /// Hammersley sets of a given number of points in each replicate.
 ///
-/// The first coordinate of point i is i/n; randomised, it is uniform in one of n strata, which i walks through from a random one on, so
-/// that every point alone is uniform and a set that was interrupted is unbiased. Points from n on go through the strata again, with later
-/// Halton points.
+/// The first coordinate of point i is i/n; randomised, it is uniform in the i-th of n strata, and the points come in a random order: every
+/// point alone is uniform, a set that was interrupted is a random part of it instead of an arc, and the number of a point says nothing about
+/// its first coordinate. Points from n on are another set, with later Halton points. Unscrambled, they come in the order of i: take all n.
 ///
 /// ```
 /// use fredholm::sampling::{Hammersley, Sampler, Sequence};
@@ -50,8 +51,12 @@ impl Sequence for Hammersley {
     #[inline]
     fn point(&self, cell: u64, replicate: u32, index: u64) -> Self::Sampler {
         let Settings { scrambling, layout, .. } = self.settings;
-        let halton = HaltonPoint { key: self.settings.key(cell, replicate), index, scrambling };
-        PointSampler::new(HammersleyPoint { halton, points: self.points }, layout)
+        let key = self.settings.key(cell, replicate);
+        let index = match scrambling {
+            Scrambling::Nested => shuffled(index, self.points, key),
+            Scrambling::None => index,
+        };
+        PointSampler::new(HammersleyPoint { halton: HaltonPoint { key, index, scrambling }, points: self.points }, layout)
     }
 
     fn with_seed(self, seed: u64) -> Self {
@@ -60,6 +65,10 @@ impl Sequence for Hammersley {
 
     fn replicates(&self) -> Option<u32> {
         Some(self.settings.replicates)
+    }
+
+    fn is_randomised(&self) -> bool {
+        self.settings.is_randomised()
     }
 }
 
@@ -73,16 +82,18 @@ pub struct HammersleyPoint {
 impl HammersleyPoint {
     fn first(&self) -> f64 {
         let HaltonPoint { key, index, scrambling } = self.halton;
-        let (n, i) = (self.points, index % self.points);
-        match scrambling {
-            Scrambling::None => midpoint(i as f64 / n as f64),
-            Scrambling::Nested => {
-                let key = word(key, u64::MAX - 1);
-                let turned = (u128::from(i) + u128::from(below(key, n))) % u128::from(n);
-                midpoint((turned as f64 + open_unit(word(key, index))) / n as f64)
-            }
-        }
+        let within = match scrambling {
+            Scrambling::None => 0.0,
+            Scrambling::Nested => open_unit(word(word(key, u64::MAX - 1), index)),
+        };
+        midpoint(((index % self.points) as f64 + within) / self.points as f64)
     }
+}
+
+/// A random order within every set of n.
+fn shuffled(index: u64, n: u64, key: u64) -> u64 {
+    let (set, i) = (index / n, index % n);
+    (index - i).wrapping_add(permuted(i, n, word(word(key, u64::MAX - 2), set)))
 }
 
 impl Coordinates for HammersleyPoint {

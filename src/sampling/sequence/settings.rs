@@ -44,6 +44,10 @@ impl Settings {
         Settings { replicates, scrambling, ..self }
     }
 
+    pub(super) fn is_randomised(&self) -> bool {
+        self.scrambling != Scrambling::None
+    }
+
     #[inline]
     pub(super) fn key(&self, cell: u64, replicate: u32) -> u64 {
         hash::key(self.seed, cell, replicate)

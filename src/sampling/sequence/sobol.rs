@@ -114,6 +114,10 @@ impl Sequence for Sobol {
     fn replicates(&self) -> Option<u32> {
         Some(self.settings.replicates)
     }
+
+    fn is_randomised(&self) -> bool {
+        self.settings.is_randomised()
+    }
 }
 
 /// One Sobol' point.

@@ -59,6 +59,10 @@ impl Sequence for VanDerCorput {
     fn replicates(&self) -> Option<u32> {
         Some(self.settings.replicates)
     }
+
+    fn is_randomised(&self) -> bool {
+        self.settings.is_randomised()
+    }
 }
 
 /// One number of van der Corput's sequence.

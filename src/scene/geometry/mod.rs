@@ -16,17 +16,24 @@
 //! # Ok::<(), fredholm::Error>(())
 //! ```
 
+mod build;
+mod lanes;
+mod leaves;
 mod ray;
 mod shape;
 mod sphere;
 mod surface;
+mod tree;
 mod triangle;
 
 use crate::error::Error;
 use crate::scene::vector;
+use lanes::{Lanes, Machine, Task};
+use leaves::{Forest, Nearest, Spheres, Triangles};
 pub use ray::{Hit, Ray};
 pub use shape::{Mesh, Shape, Sphere};
 pub use surface::Surface;
+use triangle::Frame;
 
 /// Shapes, ready to be hit.
 ///
@@ -39,6 +46,16 @@ pub struct Geometry {
     first: Vec<u32>,
     primitives: u32,
     degenerate: usize,
+    triangles: Kept,
+    spheres: Forest<Spheres>,
+    machine: Machine,
+}
+
+/// Triangles in the precision that their corners need.
+#[derive(Clone, Debug)]
+enum Kept {
+    Single(Forest<Triangles<f32>>),
+    Double(Forest<Triangles<f64>>),
 }
 
 impl Geometry {
@@ -55,7 +72,8 @@ impl Geometry {
         }
         let primitives = u32::try_from(total).ok().filter(|&n| n < u32::MAX).ok_or(Error::TooManyPrimitives { primitives: total })?;
         let degenerate = shapes.iter().map(Shape::degenerate).sum();
-        Ok(Geometry { shapes, first, primitives, degenerate })
+        let (triangles, spheres) = (kept(&shapes, &first), spheres(&shapes, &first));
+        Ok(Geometry { shapes, first, primitives, degenerate, triangles, spheres, machine: Machine::detect() })
     }
 
     /// The shapes, in order.
@@ -86,41 +104,17 @@ impl Geometry {
     }
 
     /// What the ray meets first, if anything.
+    #[inline]
     #[must_use]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
-        self.each_hit(ray, |hit| {
-            if best.is_none_or(|b| (hit.t, hit.primitive) < (b.t, b.primitive)) {
-                best = Some(hit);
-            }
-        });
-        best
+        self.machine.run(First { geometry: self, ray })
     }
 
     /// Whether the ray meets anything.
+    #[inline]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.closest(ray).is_some()
-    }
-
-    fn each_hit(&self, ray: &Ray, mut f: impl FnMut(Hit)) {
-        let frame = triangle::Frame::new(ray);
-        for (shape, &first) in self.shapes.iter().zip(&self.first) {
-            match shape {
-                Shape::Mesh(mesh) => {
-                    for k in 0..mesh.triangles().len() {
-                        if let Some((t, u, v)) = frame.hit(&mesh.corners(k)).filter(|h| h.0 < ray.until) {
-                            f(Hit { primitive: first + k as u32, t, u, v });
-                        }
-                    }
-                }
-                Shape::Sphere(sphere) => {
-                    if let Some(t) = sphere.hit(ray) {
-                        f(Hit { primitive: first, t, u: 0.0, v: 0.0 });
-                    }
-                }
-            }
-        }
+        self.machine.run(Anything { geometry: self, ray })
     }
 
     /// The point where the ray hit.
@@ -145,5 +139,74 @@ impl Geometry {
             Shape::Mesh(mesh) => mesh.surface((primitive - self.first[shape]) as usize, u, v, primitive),
             Shape::Sphere(sphere) => sphere.surface(sphere::direction(u, v), primitive),
         }
+    }
+}
+
+/// Primitives that are tried one by one rather than by a tree.
+const PLAIN: usize = 8;
+
+fn kept(shapes: &[Shape], first: &[u32]) -> Kept {
+    let mut all = Vec::new();
+    for (shape, &first) in shapes.iter().zip(first) {
+        if let Shape::Mesh(mesh) = shape {
+            let solid = (0..mesh.triangles().len()).filter(|&k| mesh.normal(k).is_some());
+            all.extend(solid.map(|k| (first + k as u32, mesh.corners(k))));
+        }
+    }
+    let bounds: Vec<_> = all.iter().map(|(_, corners)| build::around(corners.map(|p| [p, p]))).collect();
+    let of = |items: &[u32]| -> Vec<(u32, [[f64; 3]; 3])> { items.iter().map(|&i| all[i as usize]).collect() };
+    let single = all.iter().all(|(_, corners)| corners.iter().flatten().all(|&x| f64::from(x as f32) == x));
+    if single {
+        Kept::Single(Forest::new(&bounds, PLAIN, |items| Triangles::new(of(items))))
+    } else {
+        Kept::Double(Forest::new(&bounds, PLAIN, |items| Triangles::new(of(items))))
+    }
+}
+
+fn spheres(shapes: &[Shape], first: &[u32]) -> Forest<Spheres> {
+    let all: Vec<(u32, Sphere)> =
+        shapes.iter().zip(first).filter_map(|(shape, &p)| if let Shape::Sphere(s) = shape { Some((p, *s)) } else { None }).collect();
+    let bounds: Vec<_> = all.iter().map(|(_, s)| s.bounds()).collect();
+    Forest::new(&bounds, PLAIN, |items| Spheres(items.iter().map(|&i| all[i as usize]).collect()))
+}
+
+struct First<'a> {
+    geometry: &'a Geometry,
+    ray: &'a Ray,
+}
+
+impl Task for First<'_> {
+    type Output = Option<Hit>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> Option<Hit> {
+        let (frame, mut nearest) = (Frame::new(self.ray), Nearest { hit: None, until: self.ray.until });
+        match &self.geometry.triangles {
+            Kept::Single(forest) => forest.nearest(lanes, &frame, &mut nearest),
+            Kept::Double(forest) => forest.nearest(lanes, &frame, &mut nearest),
+        }
+        if !self.geometry.spheres.is_empty() {
+            self.geometry.spheres.nearest(lanes, &frame, &mut nearest);
+        }
+        nearest.hit
+    }
+}
+
+struct Anything<'a> {
+    geometry: &'a Geometry,
+    ray: &'a Ray,
+}
+
+impl Task for Anything<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) -> bool {
+        let frame = Frame::new(self.ray);
+        let met = match &self.geometry.triangles {
+            Kept::Single(forest) => forest.any(lanes, &frame, self.ray.until),
+            Kept::Double(forest) => forest.any(lanes, &frame, self.ray.until),
+        };
+        met || (!self.geometry.spheres.is_empty() && self.geometry.spheres.any(lanes, &frame, self.ray.until))
     }
 }

@@ -33,6 +33,12 @@ impl Sphere {
         [near, far].into_iter().find(|&t| within(t))
     }
 
+    pub(super) fn bounds(&self) -> [[f64; 3]; 2] {
+        // a little more than the sphere, for the rounding of hits
+        let r = self.radius() * (1.0 + 16.0 * UNIT);
+        [self.centre().map(|c| (c - r).next_down()), self.centre().map(|c| (c + r).next_up())]
+    }
+
     /// The point in a direction from the centre.
     pub(super) fn surface(&self, direction: [f64; 3], primitive: u32) -> Surface {
         let normal = unit(direction);

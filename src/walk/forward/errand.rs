@@ -1,0 +1,106 @@
+//! The errand of forward walks: a value W_n, and a scoring rule that adds to the cells of a detector.
+
+use super::scores::Scores;
+use super::scoring::{ForwardScoring, Seen};
+use crate::detector::Detector;
+use crate::equation::Equation;
+use crate::kernel::{HasAdjoint, Operator};
+use crate::sampling::{Purpose, Sampler};
+use crate::source::Emit;
+use crate::value::{Value, Weight};
+use crate::walk::driver::{At, Errand, Lane};
+use crate::walk::{Arrival, Observer, Visit};
+
+/// Scores in the cells of a detector along the way.
+pub(super) struct Onward<'a, G: Emit, K, D, C> {
+    pub(super) equation: &'a Equation<G, K>,
+    pub(super) detector: &'a D,
+    pub(super) scoring: &'a C,
+    pub(super) scores: &'a mut Scores<G::Value>,
+}
+
+/// W_n, and |W₀|: roulette by throughput asks for |W_n|/|W₀|, which does not depend on the units of g.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried<V> {
+    value: V,
+    birth: f64,
+}
+
+#[inline]
+fn seen<'a, G: Emit, K, D>(equation: &'a Equation<G, K>, detector: &'a D, at: &Visit<G::State, Carried<G::Value>>) -> Seen<'a, G, K, D> {
+    Seen { equation, detector, visit: Visit { point: at.point, weight: at.weight.value, survival: at.survival } }
+}
+
+impl<G, K, A, D, C> Errand<A> for Onward<'_, G, K, D, C>
+where
+    G: Emit,
+    K: HasAdjoint<Adjoint = A>,
+    K::Weight: Weight<Value = G::Value>,
+    A: Operator<Point = G::State, Weight = K::Weight>,
+    D: Detector,
+    C: ForwardScoring<G, K, D>,
+{
+    type Load = Carried<G::Value>;
+    /// kept by the table of all walks
+    type Score = ();
+    const NOTHING: () = ();
+
+    /// The step's weight is K†(Z_n, Z_{n+1})/π* = K(Z_{n+1}, Z_n)ᵀ/π*.
+    #[inline]
+    fn carry(load: &Carried<G::Value>, reciprocal: f64, step: K::Weight) -> Carried<G::Value> {
+        Carried { value: step.transposed().apply(load.value.scale(reciprocal)), ..*load }
+    }
+
+    #[inline]
+    fn magnitude(load: &Carried<G::Value>) -> f64 {
+        let here = load.value.magnitude();
+        // 0/0: a walk of weight 0 is worth nothing
+        if here == 0.0 { 0.0 } else { here / load.birth }
+    }
+
+    #[inline]
+    fn arrival<S: Sampler, O: Observer<A::Point, A::Weight>>(
+        &mut self,
+        at: At<'_, A::Point, Carried<G::Value>, S>,
+        arrival: Arrival<A::Point>,
+        (): &mut (),
+        observer: &mut O,
+    ) {
+        observer.value(&at.visit.point, &at.visit.weight.value);
+        at.u.seek(at.depth, Purpose::Event);
+        let Onward { equation, detector, scoring, ref mut scores } = *self;
+        scoring.arrival(seen(equation, detector, at.visit), arrival, at.u, observer, |cell, score| scores.add(at.walk, cell, score));
+    }
+
+    #[inline]
+    fn vertex<S: Sampler, O: Observer<A::Point, A::Weight>>(
+        &mut self,
+        at: At<'_, A::Point, Carried<G::Value>, S>,
+        (): &mut (),
+        observer: &mut O,
+    ) {
+        let Onward { equation, detector, scoring, ref mut scores } = *self;
+        scoring.vertex(seen(equation, detector, at.visit), at.u, observer, |cell, score| scores.add(at.walk, cell, score));
+    }
+
+    #[inline]
+    fn end<O: Observer<A::Point, A::Weight>>(&mut self, _: usize, _: &Visit<A::Point, Carried<G::Value>>, (): &mut (), _: &mut O) {}
+
+    fn poison(&mut self, walk: usize, (): &mut ()) {
+        self.scores.add(walk, 0, G::Value::from_components(|_| f64::NAN));
+    }
+}
+
+/// A walk at its birth.
+#[inline]
+pub(super) fn born<G, A, E, S>(source: &G, walk: usize, mut u: S) -> Lane<A, E, S>
+where
+    G: Emit,
+    A: Operator<Point = G::State>,
+    E: Errand<A, Load = Carried<G::Value>>,
+    S: Sampler,
+{
+    u.seek(0, Purpose::Start);
+    let birth = source.emit(&mut u);
+    Lane::new(walk, birth.point, Carried { value: birth.weight, birth: birth.weight.magnitude() }, u)
+}
