@@ -39,6 +39,7 @@ mod light;
 mod light_transport;
 pub mod load;
 mod material;
+mod picture;
 pub mod shapes;
 mod state;
 mod texture;
