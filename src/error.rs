@@ -267,6 +267,38 @@ pub enum Error {
     /// Text that is not an equation this crate can state.
     #[error("cannot state the equation: {0}")]
     Formula(String),
+    /// A vertex of a mesh is NaN, infinite or beyond 10⁷⁵.
+    #[error("vertex {vertex} of the mesh is at {at:?}: coordinates must be finite and within ±1e75")]
+    Vertex {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Its coordinates.
+        at: [f64; 3],
+    },
+    /// A triangle names a vertex that its mesh has not.
+    #[error("triangle {triangle} of the mesh names vertex {index}, but there are {vertices}")]
+    VertexIndex {
+        /// Index of the triangle.
+        triangle: usize,
+        /// What it names.
+        index: u32,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// More primitives than can be numbered.
+    #[error("{primitives} primitives are too many: the limit is 2^32 - 2")]
+    TooManyPrimitives {
+        /// Triangles and spheres together.
+        primitives: usize,
+    },
+    /// A scene file says what no scene can be.
+    #[error("{file}: {problem}")]
+    SceneFile {
+        /// The file.
+        file: String,
+        /// What is wrong in it, and where.
+        problem: String,
+    },
     /// Reading or writing failed.
     #[error("{path}: {message}")]
     Io {

@@ -60,7 +60,7 @@
 //!
 //! # Features (all on by default; none changes a number)
 //!
-//! `parallel` (rayon), `plot` (plotters), `formula` (equations as JSON text), `serde` (checkpoints).
+//! `parallel` (rayon), `plot` (plotters), `formula` (equations as JSON text), `scene` (geometry and light), `serde` (checkpoints).
 //!
 //! # Reading order
 //!
@@ -83,6 +83,8 @@ mod parallel;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod sampling;
+#[cfg(feature = "scene")]
+pub mod scene;
 pub mod source;
 pub mod special;
 pub mod statistics;
