@@ -84,7 +84,14 @@ impl Camera {
         let half = (self.degrees.to_radians() / 2.0).tan();
         let pixel = 2.0 * half / height as f64;
         let corner = forward - right * (half * width as f64 / height as f64) + up * half;
-        View { eye: self.eye, corner, right: right * pixel, down: -up * pixel, lens: [right, up].map(|v| v * self.lens_radius), focus: self.focus }
+        View {
+            eye: self.eye,
+            corner,
+            right: right * pixel,
+            down: -up * pixel,
+            lens: [right, up].map(|v| v * self.lens_radius),
+            focus: self.focus,
+        }
     }
 }
 

@@ -45,7 +45,9 @@ impl Filter {
             Filter::Box => Ok(()),
             Filter::Tent(r) if r > 0.0 && r.is_finite() => Ok(()),
             Filter::Gaussian(s) if s > 0.0 && s.is_finite() => Ok(()),
-            Filter::Tent(width) | Filter::Gaussian(width) => Err(Error::invalid("width of the filter", width, "must be positive and finite")),
+            Filter::Tent(width) | Filter::Gaussian(width) => {
+                Err(Error::invalid("width of the filter", width, "must be positive and finite"))
+            }
         }
     }
 }

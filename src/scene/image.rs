@@ -1,10 +1,7 @@
 //! The answer of a film: something for every pixel.
 
 use super::Rgb;
-use crate::error::Error;
 use crate::statistics::Estimate;
-use crate::value::Value;
-use std::path::Path;
 
 /// Pixels, row by row from the top left.
 ///
@@ -19,8 +16,8 @@ use std::path::Path;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image<T> {
-    width: usize,
-    pixels: Vec<T>,
+    pub(super) width: usize,
+    pub(super) pixels: Vec<T>,
 }
 
 impl<T> Image<T> {
@@ -84,38 +81,4 @@ impl Image<Estimate<Rgb>> {
         };
         Some((0..3).map(relative).fold(0.0, f64::max))
     }
-
-    /// Writes [`values`](Self::values) as [`Image::write_png`] does.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
-    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<usize, Error> {
-        self.values().write_png(path)
-    }
-}
-
-impl Image<Rgb> {
-    /// sRGB in eight bits. Returns how many pixels lie outside [0, 1], where the file holds the nearest colour.
-    ///
-    /// # Errors
-    /// [`Error::Io`].
-    pub fn write_png(&self, path: impl AsRef<Path>) -> Result<usize, Error> {
-        let path = path.as_ref();
-        let io = |e: &dyn std::fmt::Display| Error::Io { path: path.display().to_string(), message: e.to_string() };
-        let file = std::fs::File::create(path).map_err(|e| io(&e))?;
-        let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), self.width as u32, self.height() as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
-        let bytes: Vec<u8> = self.pixels.iter().flat_map(|p| p.0.map(srgb)).collect();
-        encoder.write_header().and_then(|mut w| w.write_image_data(&bytes)).map_err(|e| io(&e))?;
-        Ok(self.pixels.iter().filter(|p| (0..3).any(|i| !(0.0..=1.0).contains(&p.component(i)))).count())
-    }
-}
-
-/// IEC 61966-2-1 in eight bits.
-fn srgb(linear: f64) -> u8 {
-    let x = linear.clamp(0.0, 1.0);
-    let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
-    (255.0 * encoded).round() as u8
 }

@@ -117,15 +117,6 @@ impl Environment {
     fn density_at(&self, density: &PiecewiseConstant2d, u: f64, row: usize, height: f64) -> f64 {
         density.pdf(&[u, (row as f64 + 0.5) / self.height as f64]) / (self.height as f64 * TAU * height)
     }
-
-    /// Integral of the brightest component over a unit disk for each direction: the power that reaches a scene of radius 1.
-    pub(crate) fn power(&self) -> f64 {
-        let mean = match &self.density {
-            None => f64::from(self.texels[0].iter().fold(0.0f32, |m, c| m.max(*c))),
-            Some(density) => 0.5 * density.integral() * self.height as f64,
-        };
-        4.0 * PI * PI * mean
-    }
 }
 
 /// Image coordinates of a direction, in [0, 1].

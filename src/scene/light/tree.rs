@@ -39,7 +39,10 @@ impl LightBounds {
         let d = self.high - self.low;
         let wide = (self.spread + 0.5 * PI).min(PI);
         let cone = 2.0 * PI * (1.0 - self.spread.cos())
-            + 0.5 * PI * (2.0 * wide * self.spread.sin() - (self.spread - 2.0 * wide).cos() - 2.0 * self.spread * self.spread.sin() + self.spread.cos());
+            + 0.5
+                * PI
+                * (2.0 * wide * self.spread.sin() - (self.spread - 2.0 * wide).cos() - 2.0 * self.spread * self.spread.sin()
+                    + self.spread.cos());
         let box_area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);
         self.power * cone * box_area.max(d.norm_squared() * 1e-3)
     }

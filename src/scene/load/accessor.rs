@@ -62,7 +62,9 @@ impl<'a> Buffers<'a> {
             (DataType::F32, _) => 1.0,
             (DataType::U8, true) => 1.0 / 255.0,
             (DataType::U16, true) => 1.0 / 65535.0,
-            (kind, _) => return Err(wrong(self.name, format!("accessor {}: components of type {kind:?} are not supported here", a.index()))),
+            (kind, _) => {
+                return Err(wrong(self.name, format!("accessor {}: components of type {kind:?} are not supported here", a.index())));
+            }
         };
         if a.dimensions().multiplicity() != N || matches!(a.dimensions(), Dimensions::Mat2) {
             return Err(wrong(self.name, format!("accessor {}: {:?} where {N} numbers are needed", a.index(), a.dimensions())));

@@ -19,7 +19,13 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    pub(super) fn load(name: &str, document: &gltf::Document, buffers: &Buffers, folder: &Path, loaded: &mut Loaded) -> Result<Self, Error> {
+    pub(super) fn load(
+        name: &str,
+        document: &gltf::Document,
+        buffers: &Buffers,
+        folder: &Path,
+        loaded: &mut Loaded,
+    ) -> Result<Self, Error> {
         let mut pictures = Pictures { name, buffers, folder, cache: HashMap::new() };
         let mut ids = Vec::new();
         for m in document.materials() {

@@ -1,7 +1,6 @@
 //! How much of the light a smooth interface reflects.
 
 use crate::scene::Rgb;
-use crate::value::Weight;
 
 /// Schlick's F = F₀ + (1 − F₀)(1 − cos θ)⁵ (Schlick, *An inexpensive BRDF model for physically-based rendering*, CGF 13 (1994) 233).
 #[inline]
@@ -30,12 +29,6 @@ pub(super) fn dielectric(cosine: f64, ratio: f64) -> (f64, f64) {
     let parallel = (ratio * cosine - refracted) / (ratio * cosine + refracted);
     let perpendicular = (cosine - ratio * refracted) / (cosine + ratio * refracted);
     (0.5 * (parallel * parallel + perpendicular * perpendicular), refracted)
-}
-
-/// A colour times a number.
-#[inline]
-pub(super) fn scaled(colour: Rgb, s: f64) -> Rgb {
-    colour.scaled(s)
 }
 
 #[cfg(test)]

@@ -152,11 +152,6 @@ impl Material {
         matches!(self.law, Law::Fixed(bsdf) if bsdf.transmits())
     }
 
-    /// Whether only Dirac parts scatter.
-    pub(crate) fn is_singular(&self) -> bool {
-        matches!(self.law, Law::Fixed(bsdf) if bsdf.is_singular())
-    }
-
     pub(crate) fn validate(&self) -> Result<(), Error> {
         if let Some(e) = self.emission.0.iter().find(|e| !(**e >= 0.0 && e.is_finite())) {
             return Err(Error::invalid("emission", *e, "must be finite and not negative"));
