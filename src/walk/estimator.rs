@@ -47,7 +47,7 @@ where
                 "a walk cut at a fixed depth is no unbiased estimator: use `Debias` with `Depths`",
             ));
         }
-        let walk = walk.clone().sequence(Pcg::default());
+        let walk = walk.sequence(Pcg::default());
         Ok(WalkEstimator { equation: self.equation(), detector: self.detector(), walk })
     }
 }

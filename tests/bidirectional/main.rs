@@ -5,6 +5,8 @@ mod common;
 
 mod combination;
 mod debias;
+mod exact;
+mod joined;
 mod metropolis;
 
 use fredholm::{Equation, Estimate, IntervalEquation};

@@ -59,6 +59,9 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::debias", 8),
     ("bidirectional::metropolis", 16),
     ("bidirectional::metropolis coverage", 3),
+    ("bidirectional::strategies", 30),
+    ("bidirectional::zoo", 40),
+    ("bidirectional::matrix", 4),
 ];
 
 /// The share of one test.

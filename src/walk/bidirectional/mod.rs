@@ -193,22 +193,14 @@ impl<E: Copy, F: Copy, Q: Sequence> Bidirectional<E, F, Q> {
         detector.validate()?;
         self.heuristic.validate()?;
         let adjoint = equation.kernel().adjoint()?;
-        for depth in [self.backward.cut(), self.forward.cut()].into_iter().flatten() {
+        if let Some(depth) = self.backward.cut().or(self.forward.cut()) {
             let why = "bidirectional walks of all orders cannot be cut without bias; ask for orders by `Strategies::Order`";
             return Err(Error::invalid("depth", depth as f64, why));
         }
-        let budget = |samples| (samples, self.max_steps);
-        let (samples, max_steps) = budget(self.samples);
-        Walk::new((), self.backward).sequence(self.sequence).samples_per_cell(samples).max_steps(max_steps).budgeted(
-            equation,
-            equation.kernel(),
-            || None,
-        )?;
-        Walk::new((), self.forward).sequence(self.sequence).samples_per_cell(samples).max_steps(max_steps).budgeted(
-            equation,
-            &adjoint,
-            || None,
-        )?;
+        // what a walk of either direction refuses
+        let walk = Walk::new((), self.backward).sequence(self.sequence).samples_per_cell(self.samples).max_steps(self.max_steps);
+        walk.budgeted(equation, equation.kernel(), || None)?;
+        walk.ending(self.forward).budgeted(equation, &adjoint, || None)?;
         let endings = (self.backward, self.forward);
         let (heuristic, strategies, max_steps) = (self.heuristic, self.strategies, self.max_steps);
         Ok(PairEstimator { equation, adjoint, detector, endings, heuristic, strategies, max_steps })

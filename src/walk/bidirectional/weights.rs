@@ -15,7 +15,7 @@ use crate::walk::Heuristic;
 #[inline]
 fn term(heuristic: Heuristic, ratio: f64) -> f64 {
     match heuristic {
-        Heuristic::Power(beta) if beta == 2.0 => ratio * ratio,
+        Heuristic::Power(2.0) => ratio * ratio,
         Heuristic::Power(beta) => ratio.powf(beta),
         Heuristic::Average if ratio > 0.0 => 1.0,
         // 0 or NaN
