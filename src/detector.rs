@@ -82,11 +82,20 @@ pub trait SampleDetector<Z: Point>: Detector {
     note = "bidirectional walks weigh the strategies of a path by their densities: implement `StartPdf`"
 )]
 pub trait StartPdf: Detector {
+    /// Whether forward walks can end at a cell: not if all are points.
+    const EXTENDED: bool = true;
+
     /// p₀(x) of cell `cell`; infinite for points, which no forward walk can find.
     fn start_pdf(&self, cell: usize, x: &Self::Point) -> f64;
 
     /// h of cell `cell` at x, where p₀ is finite.
     fn importance(&self, cell: usize, x: &Self::Point) -> f64;
+
+    /// Calls `each` for all cells whose h does not vanish at x, and perhaps for others.
+    fn near(&self, x: &Self::Point, each: impl FnMut(usize)) {
+        let _ = x;
+        (0..self.cells()).for_each(each);
+    }
 }
 
 /// f(x) at one point.
@@ -112,6 +121,7 @@ impl<X: Point> Detector for At<X> {
 }
 
 impl<X: Point> StartPdf for At<X> {
+    const EXTENDED: bool = false;
     fn start_pdf(&self, _: usize, _: &X) -> f64 {
         f64::INFINITY
     }
@@ -151,6 +161,7 @@ impl<X: Point> Detector for Points<X> {
 }
 
 impl<X: Point> StartPdf for Points<X> {
+    const EXTENDED: bool = false;
     fn start_pdf(&self, _: usize, _: &X) -> f64 {
         f64::INFINITY
     }
@@ -256,6 +267,10 @@ impl StartPdf for Bins {
     #[inline]
     fn importance(&self, cell: usize, x: &f64) -> f64 {
         self.start_pdf(cell, x)
+    }
+    #[inline]
+    fn near(&self, x: &f64, each: impl FnMut(usize)) {
+        self.cell(*x).into_iter().for_each(each);
     }
 }
 

@@ -1,9 +1,8 @@
 //! Why a pair of walks has no finite score.
 
-use super::Connect;
+use super::{Connect, Meet};
 use super::pair::{Memory, PairEstimator};
 use super::path::Fault;
-use crate::detector::StartPdf;
 use crate::error::Error;
 use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
 use crate::source::EmitPdf;
@@ -15,7 +14,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
     E: Ending<K>,
     F: Ending<K::Adjoint>,
 {

@@ -16,6 +16,8 @@ pub(super) struct Vertex<X, L> {
     pub(super) pdf: f64,
     /// whether the arrival has a density: walks cannot be joined along a Dirac part, whose edges count as density 1 in both directions
     pub(super) regular: bool,
+    /// whether walks can be joined by the edge before this vertex, once the walk goes on
+    pub(super) joinable: bool,
     /// survival probability here, as far as it depends on the place alone
     pub(super) survival: f64,
     /// density with which a walk in the opposite direction arrives here from the next vertex
@@ -130,7 +132,7 @@ impl<K: TransitionPdf, E: Ending<K>, L: Burden<K::Weight>> Errand<K> for Keeper<
         // a step that denies its own arrival breaks the law of its density: its scores must not pass for 0
         let pdf = if pdf > 0.0 { pdf } else { f64::NAN };
         let survival = survival_at(self.kernel, self.ending, &state);
-        self.vertices.push(Vertex { state, load: at.visit.weight, pdf, regular, survival, reverse: f64::NAN, sum: f64::NAN });
+        self.vertices.push(Vertex { state, load: at.visit.weight, pdf, regular, joinable: regular, survival, reverse: f64::NAN, sum: f64::NAN });
     }
 
     #[inline]
