@@ -29,11 +29,11 @@ use std::sync::Arc;
 
 /// The source Lₑ: what surfaces, environment and lights without extent emit.
 #[derive(Clone, Debug)]
-pub struct Emission(Arc<Inner>);
+pub struct Emission(pub(super) Arc<Inner>);
 
 /// The kernel K: one reflection or refraction, and the flight to the next surface.
 #[derive(Clone, Debug)]
-pub struct LightTransport(Arc<Inner>);
+pub struct LightTransport(pub(super) Arc<Inner>);
 
 impl Scene {
     /// The equation of light in this scene.
@@ -44,12 +44,12 @@ impl Scene {
 }
 
 /// The scattering law at a state, in coordinates where it can be asked.
-struct Local {
-    frame: Frame,
+pub(super) struct Local {
+    pub(super) frame: Frame,
     /// geometric normal; on opaque surfaces on the side of ωₒ
-    normal: Vec3,
-    bsdf: Bsdf,
-    outgoing: Vec3,
+    pub(super) normal: Vec3,
+    pub(super) bsdf: Bsdf,
+    pub(super) outgoing: Vec3,
 }
 
 impl Local {
@@ -61,26 +61,32 @@ impl Local {
     }
 
     #[inline]
-    fn value(&self, wi: &Vec3) -> Rgb {
+    pub(super) fn value(&self, wi: &Vec3) -> Rgb {
         self.incoming(wi).map_or(Rgb::ZERO, |wi| self.bsdf.value(&self.outgoing, &wi))
     }
 
     #[inline]
-    fn density(&self, wi: &Vec3) -> f64 {
+    pub(super) fn density(&self, wi: &Vec3) -> f64 {
         self.incoming(wi).map_or(0.0, |wi| self.bsdf.density(&self.outgoing, &wi))
+    }
+
+    /// Whether both stand for one point seen from directions that shade with the same normal.
+    #[inline]
+    pub(super) fn shades_like(&self, other: &Local) -> bool {
+        self.frame == other.frame
     }
 }
 
 /// From x to y: the direction, and dω/dμ = |cos θ_y|/r².
-struct Connection {
-    direction: Vec3,
-    solid_angle: f64,
+pub(super) struct Connection {
+    pub(super) direction: Vec3,
+    pub(super) solid_angle: f64,
 }
 
 impl Inner {
     /// How x scatters; `None` where nothing does: outside, on black backs.
     #[inline]
-    fn local(&self, x: &State) -> Option<Local> {
+    pub(super) fn local(&self, x: &State) -> Option<Local> {
         let Place::Surface(primitive) = x.place else { return None };
         let facet = &self.facets[primitive as usize];
         let material = &self.materials[facet.material as usize];
@@ -101,7 +107,7 @@ impl Inner {
     }
 
     #[inline]
-    fn connection(&self, x: &State, y: &State) -> Option<Connection> {
+    pub(super) fn connection(&self, x: &State, y: &State) -> Option<Connection> {
         let outwards = || -Vec3::from(y.outgoing);
         let across = || {
             let d = Vec3::from(y.position) - Vec3::from(x.position);
@@ -138,7 +144,7 @@ impl Inner {
 
     /// A point of a primitive with the rounding error of its position.
     #[inline]
-    fn surface(&self, primitive: u32, x: &State) -> Surface {
+    pub(super) fn surface(&self, primitive: u32, x: &State) -> Surface {
         let facet = &self.facets[primitive as usize];
         let (u, v) = (f64::from(x.u), f64::from(x.v));
         Surface { position: x.position, error: facet.error, normal: facet.normal(x).into(), primitive, u, v }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`Scene`] | surfaces with materials, and lights; [`Scene::light_transport`] is its equation |
 //! | [`LightTransport`], [`Emission`] | the kernel and the source: `Walk::mis()` on them *is* the path tracer |
+//! | [`LightTracing`], [`Photon`] | the adjoint kernel and its states: [`Forward::new`](crate::Forward::new) is the light tracer, [`Bidirectional`](crate::Bidirectional) both |
 //! | [`Camera`], [`Film`] | the detector: a cell is a pixel |
 //! | [`Image`] | the answer: an estimate for every pixel; PNG, EXR |
 //! | [`Material`], [`Bsdf`] | how surfaces scatter |
@@ -35,10 +36,13 @@ mod film;
 mod frame;
 pub mod geometry;
 mod image;
+mod importance;
 mod light;
+mod light_tracing;
 mod light_transport;
 pub mod load;
 mod material;
+mod photon;
 mod picture;
 pub mod shapes;
 mod state;
@@ -50,16 +54,18 @@ pub use camera::Camera;
 pub use film::{Film, Filter};
 pub use image::Image;
 pub use light::Environment;
+pub use light_tracing::LightTracing;
 pub use light_transport::{Emission, LightTransport};
 pub use load::load;
 pub use material::{Bsdf, Material, MetallicRoughness, Scattered, Sides, Textures};
+pub use photon::Photon;
 pub use state::{Place, State};
 pub use texture::Texture;
 
 use crate::value::Spectrum;
 use frame::Vec3;
 use geometry::{Geometry, Hit, Ray, Surface};
-use light::Lights;
+use light::{Births, Lights};
 use std::sync::Arc;
 
 /// Red, green and blue, linear.
@@ -78,6 +84,7 @@ struct Inner {
     details: Vec<Detail>,
     materials: Vec<Material>,
     lights: Lights,
+    births: Births,
     environment: Option<Environment>,
 }
 

@@ -27,6 +27,7 @@ mod point;
 mod tally;
 
 pub use tally::Tally;
+pub(crate) use tally::choose;
 
 use super::run::check_budget;
 use crate::error::Error;

@@ -1,8 +1,8 @@
 //! Why a pair of walks has no finite score.
 
-use super::{Connect, Meet};
 use super::pair::{Memory, PairEstimator};
 use super::path::Fault;
+use super::{Connect, Meet};
 use crate::error::Error;
 use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
 use crate::source::EmitPdf;

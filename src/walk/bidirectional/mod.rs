@@ -24,12 +24,14 @@ mod pair;
 mod path;
 mod shared;
 mod table;
+mod tally;
 mod weights;
 
 pub use connect::{Beyond, Connect};
 pub use meet::{Meet, Met};
 pub use pair::{PairEstimator, PairMemory};
 pub use table::Strategy;
+pub use tally::SharedPairs;
 
 use super::{Ending, Heuristic, Roulette, Walk};
 use crate::equation::{Equation, Method, Query};

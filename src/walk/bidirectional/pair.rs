@@ -222,7 +222,12 @@ where
 
     /// Both walks are joined by an edge.
     #[inline]
-    fn join(&self, cell: usize, eye: &[Vertex<K::Point, Matrix<K::Weight>>], light: &[Vertex<G::State, Carried<G::Value>>]) -> Option<Joined<G::Value>> {
+    fn join(
+        &self,
+        cell: usize,
+        eye: &[Vertex<K::Point, Matrix<K::Weight>>],
+        light: &[Vertex<G::State, Carried<G::Value>>],
+    ) -> Option<Joined<G::Value>> {
         let ((x, z), kernel) = ((eye.last()?, light.last()?), self.equation.kernel());
         let contribution = x.load.weight.apply(kernel.join(&x.state, &z.state).apply(z.load.value));
         if contribution == G::Value::ZERO {
@@ -241,13 +246,7 @@ where
 
     /// Every strategy of the pair, from the shortest eye walk on.
     #[inline]
-    pub(super) fn joined<S: Sampler>(
-        &self,
-        cell: usize,
-        u: &mut S,
-        memory: &Memory<G, K>,
-        mut each: impl FnMut(Joined<G::Value>),
-    ) -> u64 {
+    pub(super) fn joined<S: Sampler>(&self, cell: usize, u: &mut S, memory: &Memory<G, K>, mut each: impl FnMut(Joined<G::Value>)) -> u64 {
         let (eye, light) = (&memory.eye[..], &memory.light[..]);
         let mut joins = 0;
         for t in 0..=eye.len() {

@@ -132,7 +132,16 @@ impl<K: TransitionPdf, E: Ending<K>, L: Burden<K::Weight>> Errand<K> for Keeper<
         // a step that denies its own arrival breaks the law of its density: its scores must not pass for 0
         let pdf = if pdf > 0.0 { pdf } else { f64::NAN };
         let survival = survival_at(self.kernel, self.ending, &state);
-        self.vertices.push(Vertex { state, load: at.visit.weight, pdf, regular, joinable: regular, survival, reverse: f64::NAN, sum: f64::NAN });
+        self.vertices.push(Vertex {
+            state,
+            load: at.visit.weight,
+            pdf,
+            regular,
+            joinable: regular,
+            survival,
+            reverse: f64::NAN,
+            sum: f64::NAN,
+        });
     }
 
     #[inline]

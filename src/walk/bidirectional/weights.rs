@@ -61,7 +61,9 @@ impl<X, L> Side<'_, X, L> {
         let shorter = match (rest.split_last(), self.before) {
             (None, _) => 0.0,
             (Some((before, _)), None) => before.sum,
-            (Some((before, rest)), Some(reverse)) => onward(heuristic, before, before.joinable, reverse, rest.last().map_or(0.0, |v| v.sum)),
+            (Some((before, rest)), Some(reverse)) => {
+                onward(heuristic, before, before.joinable, reverse, rest.last().map_or(0.0, |v| v.sum))
+            }
         };
         onward(heuristic, last, last.regular, self.last, shorter)
     }
