@@ -40,7 +40,7 @@ fn main() -> Result<(), Error> {
         println!("{name:14}{error:12.5}{width:14.5}{:>8}  {}, {}", band.contains(&truth), f.bias(), f.verdict());
         let path = format!("target/plots/profile-{}.png", name.replace(' ', "-"));
         let picture = plot::Profile::new(&format!("A slab in a beam: {name}"), 0.0..=4.0)
-            .subtitle(&format!("{walks} walks; the whole curve is inside the strip with 95 %"))
+            .subtitle(&format!("{walks} walks, strip of 95 % for the whole curve; {}", f.bias()))
             .y_label("φ(x)")
             .curve("Nyström", |x| exact.eval(x));
         picture.band(name, f, 0.95).save(&path)?;

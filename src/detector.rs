@@ -74,6 +74,21 @@ pub trait SampleDetector<Z: Point>: Detector {
     fn sample_for<S: Sampler>(&self, z: &Z, u: &mut S, see: impl FnMut(usize, Start<Self::Point>));
 }
 
+/// A detector that states the density of its starts, so that forward walks may end at it.
+///
+/// Law: `start(j, u).weight` = h_j/p₀ at its point, and for every set B, `∫_B start_pdf(j, x) dμ(x) = P(start(j, u).point ∈ B)`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not state the density of its starts",
+    note = "bidirectional walks weigh the strategies of a path by their densities: implement `StartPdf`"
+)]
+pub trait StartPdf: Detector {
+    /// p₀(x) of cell `cell`; infinite for points, which no forward walk can find.
+    fn start_pdf(&self, cell: usize, x: &Self::Point) -> f64;
+
+    /// h of cell `cell` at x, where p₀ is finite.
+    fn importance(&self, cell: usize, x: &Self::Point) -> f64;
+}
+
 /// f(x) at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct At<X>(pub X);
@@ -93,6 +108,15 @@ impl<X: Point> Detector for At<X> {
     }
     fn answer<T>(&self, mut cells: Vec<T>) -> T {
         cells.swap_remove(0)
+    }
+}
+
+impl<X: Point> StartPdf for At<X> {
+    fn start_pdf(&self, _: usize, _: &X) -> f64 {
+        f64::INFINITY
+    }
+    fn importance(&self, _: usize, _: &X) -> f64 {
+        0.0
     }
 }
 
@@ -123,6 +147,15 @@ impl<X: Point> Detector for Points<X> {
     }
     fn answer<T>(&self, cells: Vec<T>) -> Vec<T> {
         cells
+    }
+}
+
+impl<X: Point> StartPdf for Points<X> {
+    fn start_pdf(&self, _: usize, _: &X) -> f64 {
+        f64::INFINITY
+    }
+    fn importance(&self, _: usize, _: &X) -> f64 {
+        0.0
     }
 }
 
@@ -214,6 +247,18 @@ impl<V: Value> Score<f64, V> for Bins {
     }
 }
 
+/// h = p₀ = 1/(width of a cell) on the cell.
+impl StartPdf for Bins {
+    #[inline]
+    fn start_pdf(&self, cell: usize, x: &f64) -> f64 {
+        if self.cell(*x) == Some(cell) { self.count as f64 / self.interval.length() } else { 0.0 }
+    }
+    #[inline]
+    fn importance(&self, cell: usize, x: &f64) -> f64 {
+        self.start_pdf(cell, x)
+    }
+}
+
 /// A point of the whole interval, and with it one cell.
 impl<Z: Point> SampleDetector<Z> for Bins {
     #[inline]
@@ -300,5 +345,16 @@ impl<Z: Point, D: Domain, H: Fn(&D::Point) -> f64 + Send + Sync> SampleDetector<
     #[inline]
     fn sample_for<S: Sampler>(&self, _: &Z, u: &mut S, mut see: impl FnMut(usize, Start<D::Point>)) {
         see(0, self.start(0, u));
+    }
+}
+
+impl<D: Domain, H: Fn(&D::Point) -> f64 + Send + Sync> StartPdf for Functional<D, H> {
+    #[inline]
+    fn start_pdf(&self, _: usize, x: &D::Point) -> f64 {
+        self.domain.density(x)
+    }
+    #[inline]
+    fn importance(&self, _: usize, x: &D::Point) -> f64 {
+        if self.domain.contains(x) { (self.weight)(x) } else { 0.0 }
     }
 }

@@ -204,6 +204,27 @@ pub enum Error {
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
         ratio: f64,
     },
+    /// Randomised truncation of a sequence whose differences do not fall fast enough for it.
+    #[error(
+        "debiasing has no finite {series}: its terms have slope {slope:.3} in {variable}, which must be below {limit}; \
+         end earlier or later, or couple the levels better"
+    )]
+    NotSummable {
+        /// Which series: variance, or cost.
+        series: &'static str,
+        /// Slope of the logarithm of its terms.
+        slope: f64,
+        /// Along what: the level n, or ln(n + 1).
+        variable: &'static str,
+        /// Where convergence begins.
+        limit: f64,
+    },
+    /// A target density that is 0 wherever it was looked at.
+    #[error("the target of Metropolis' walk was 0 at all of {samples} random points: there is nowhere to start")]
+    ZeroTarget {
+        /// Random points.
+        samples: u64,
+    },
     /// A point outside the domain.
     #[error("{x} is outside the domain")]
     Outside {
@@ -246,6 +267,38 @@ pub enum Error {
     /// Text that is not an equation this crate can state.
     #[error("cannot state the equation: {0}")]
     Formula(String),
+    /// A vertex of a mesh is NaN, infinite or beyond 10⁷⁵.
+    #[error("vertex {vertex} of the mesh is at {at:?}: coordinates must be finite and within ±1e75")]
+    Vertex {
+        /// Index of the vertex.
+        vertex: usize,
+        /// Its coordinates.
+        at: [f64; 3],
+    },
+    /// A triangle names a vertex that its mesh has not.
+    #[error("triangle {triangle} of the mesh names vertex {index}, but there are {vertices}")]
+    VertexIndex {
+        /// Index of the triangle.
+        triangle: usize,
+        /// What it names.
+        index: u32,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
+    /// More primitives than can be numbered.
+    #[error("{primitives} primitives are too many: the limit is 2^32 - 2")]
+    TooManyPrimitives {
+        /// Triangles and spheres together.
+        primitives: usize,
+    },
+    /// A scene file says what no scene can be.
+    #[error("{file}: {problem}")]
+    SceneFile {
+        /// The file.
+        file: String,
+        /// What is wrong in it, and where.
+        problem: String,
+    },
     /// Reading or writing failed.
     #[error("{path}: {message}")]
     Io {

@@ -38,13 +38,21 @@
 //! | [`Walk::next_event`] | [`Kernel`](kernel::Kernel) | [`SampleSource`](source::SampleSource) | yes | and ∫K²g²/q < ∞ along the walk |
 //! | [`Walk::mis`] | `Kernel`, [`TransitionPdf`](kernel::TransitionPdf) | `SampleSource` | yes | as the better of both |
 //! | [`Walk::fixed_depth`] | `Transition` | `Source` | no: the bound is printed | always |
+//! | [`Bidirectional`] | `Kernel`, `TransitionPdf`, [`HasAdjoint`](kernel::HasAdjoint) | [`EmitPdf`](source::EmitPdf) | yes | of one of its strategies where it matters |
 //! | [`ArrayRqmc`](walk::ArrayRqmc) of any walk | and [`HasDomain`](kernel::HasDomain) | as the walk | yes | as the walk; falls faster than 1/n |
+//! | [`Forward::new`] | [`HasAdjoint`](kernel::HasAdjoint) | [`Emit`](source::Emit) | yes | ρ(K²/π*) < 1 |
+//! | [`Forward::next_event`] | `Kernel`, `HasAdjoint` | `Emit` | yes, at points too | and ∫K(η, ·)² < ∞ along the walk |
+//! | [`Forward::profile`] by [tallies](walk::Tally) | as its tally | `Emit` | [says so](statistics::Bias) | as above |
 //! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
 //!
 //! Plain integrals ∫f dμ, on which walks stand, are [`Integral`]s with the same verb and the same [`Estimate`]: [`integral`] has importance sampling,
 //! strata, combined sampling, control functions. [`Study`](statistics::Study) measures bias, variance and coverage of any estimator.
 //!
-//! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own.
+//! Unbiased walks are functions on the unit cube ([`estimator`]): several of one quantity are combined with weights of least variance, Metropolis' rule drives
+//! one through the cube for many cells at once, randomised truncation makes a convergent sequence unbiased.
+//!
+//! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own; and its adjoint walk,
+//! from the source to every cell of a detector at once, for nothing. [`Forward::profile`] finds the whole of f with a band that holds for all points.
 //!
 //! # Guarantees
 //!
@@ -56,7 +64,7 @@
 //!
 //! # Features (all on by default; none changes a number)
 //!
-//! `parallel` (rayon), `plot` (plotters), `formula` (equations as JSON text), `serde` (checkpoints).
+//! `parallel` (rayon), `plot` (plotters), `formula` (equations as JSON text), `scene` (geometry and light), `serde` (checkpoints).
 //!
 //! # Reading order
 //!
@@ -70,6 +78,7 @@ pub mod deterministic;
 pub mod domain;
 mod equation;
 mod error;
+pub mod estimator;
 #[cfg(feature = "formula")]
 pub mod formula;
 pub mod integral;
@@ -78,6 +87,8 @@ mod parallel;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod sampling;
+#[cfg(feature = "scene")]
+pub mod scene;
 pub mod source;
 pub mod special;
 pub mod statistics;
@@ -91,7 +102,7 @@ pub use integral::Integral;
 pub use nalgebra::Complex;
 pub use statistics::Estimate;
 pub use value::{GroupMatrix, Spectrum, Value, Weight};
-pub use walk::{Forward, Walk};
+pub use walk::{Bidirectional, Forward, Walk};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

@@ -97,6 +97,25 @@ impl<T: SampleSource> SampleSource for &T {
     }
 }
 
+/// The density of births.
+///
+/// Law: for every set B, `∫_B emit_pdf(z) dμ(z) = P(emit().point ∈ B)`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not state the density of its births",
+    note = "bidirectional walks weigh the strategies of a path by their densities: implement `EmitPdf`, or use `source_fn(domain, g)`"
+)]
+pub trait EmitPdf: Emit {
+    /// q₀(z); infinite for sources of no extent, which no backward walk can find.
+    fn emit_pdf(&self, z: &Self::State) -> f64;
+}
+
+impl<T: EmitPdf> EmitPdf for &T {
+    #[inline]
+    fn emit_pdf(&self, z: &T::State) -> f64 {
+        (**self).emit_pdf(z)
+    }
+}
+
 /// A source given by a closure on a domain and a density to sample it from; see [`source_fn`].
 #[derive(Clone, Copy)]
 pub struct SourceFn<D, F, V, Q = Uniform<D>> {
@@ -194,6 +213,18 @@ where
     }
 }
 
+impl<D, F, V> EmitPdf for SourceFn<D, F, V, Uniform<D>>
+where
+    D: Domain,
+    V: Value,
+    F: Fn(&D::Point) -> V + Send + Sync,
+{
+    #[inline]
+    fn emit_pdf(&self, z: &D::Point) -> f64 {
+        self.domain.density(z)
+    }
+}
+
 /// Births by the table.
 impl<D, F, V> Emit for SourceFn<D, F, V, TabulatedSource<D>>
 where
@@ -206,6 +237,18 @@ where
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<D::Point, V> {
         let n = self.density.draw(u);
         Birth { point: n.point, weight: (self.function)(&n.point).scale(n.weight) }
+    }
+}
+
+impl<D, F, V> EmitPdf for SourceFn<D, F, V, TabulatedSource<D>>
+where
+    D: Domain,
+    V: Value,
+    F: Fn(&D::Point) -> V + Send + Sync,
+{
+    #[inline]
+    fn emit_pdf(&self, z: &D::Point) -> f64 {
+        self.density.density(z)
     }
 }
 

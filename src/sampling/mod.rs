@@ -29,6 +29,7 @@ mod sequence;
 mod table;
 
 pub use discrepancy::{Bounds, PointSet};
+pub(crate) use hash::midpoint;
 pub use pcg::{Pcg, PcgSampler};
 pub use sequence::{
     Coordinates, Halton, HaltonPoint, Hammersley, HammersleyPoint, LatinHypercube, Layout, PointSampler, Sobol, SobolPoint, Stratified,

@@ -3,7 +3,7 @@
 use crate::domain::{Domain, Interval, Node};
 use crate::error::Error;
 use crate::sampling::Sampler;
-use crate::source::{Birth, Emit, SampleSource, Source};
+use crate::source::{Birth, Emit, EmitPdf, SampleSource, Source};
 
 /// S(x) = strength, everywhere in the slab; see [`Slab::uniform`](super::Slab::uniform).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +50,13 @@ impl Emit for UniformSource {
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<f64, f64> {
         let n = self.slab.sample(u);
         Birth { point: n.point, weight: self.strength * n.weight }
+    }
+}
+
+impl EmitPdf for UniformSource {
+    #[inline]
+    fn emit_pdf(&self, z: &f64) -> f64 {
+        self.slab.density(z)
     }
 }
 
@@ -123,5 +130,12 @@ impl Emit for BeamSource {
     #[inline]
     fn emit<S: Sampler>(&self, u: &mut S) -> Birth<f64, f64> {
         Birth { point: self.invert(u.next_1d()), weight: self.cosine * self.collided }
+    }
+}
+
+impl EmitPdf for BeamSource {
+    #[inline]
+    fn emit_pdf(&self, z: &f64) -> f64 {
+        self.pdf_for(z, z)
     }
 }

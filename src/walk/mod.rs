@@ -5,23 +5,29 @@
 //! - *What is scored*: [`Collision`], [`Absorption`], [`NextEvent`], [`Mis`].
 //!
 //! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
-//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel.
+//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel;
+//! [`Bidirectional`] joins both.
 
 mod array;
 mod backward;
+mod bidirectional;
 mod driver;
 mod ending;
+mod estimator;
 mod forward;
 mod observer;
 mod order;
 mod profile;
+mod replay;
 mod rounds;
 mod run;
 mod scoring;
 
 pub use array::ArrayRqmc;
+pub use bidirectional::{Beyond, Bidirectional, Connect, PairEstimator, PairMemory, Strategies, Strategy};
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
+pub use estimator::WalkEstimator;
 pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
@@ -215,7 +221,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if cell >= detector.cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
         }
-        Ok(run::replay(self, equation, detector, cell, 0, walk).1)
+        Ok(replay::replay(self, equation, detector, cell, 0, walk).1)
     }
 
     /// Everything that can be refused before the first walk; returns what is known of the truncation bias.

@@ -25,7 +25,8 @@ pub struct Round<A> {
     pub estimates: A,
 }
 
-/// An iterator over rounds of doubling size: 1024 walks a cell, then 2048, 4096, … until the budget of the [`Walk`](super::Walk) is spent.
+/// An iterator over rounds of doubling size: 1024 walks a cell, then 2048, 4096, … until the budget of the [`Walk`](super::Walk) is spent. Detectors of
+/// more than 1024 cells, such as images, begin with 16.
 ///
 /// The sizes depend on nothing but the round's number, so the bits of a result do not depend on where a run was interrupted.
 ///
@@ -46,8 +47,6 @@ pub struct Rounds<'a, G: Source, K, D, C, E, Q> {
     run: Run<'a, G, K, D, C, E, Q>,
     failed: bool,
 }
-
-const FIRST: u64 = 1024;
 
 impl<'a, G, K, D, C, E, Q> Rounds<'a, G, K, D, C, E, Q>
 where
@@ -101,7 +100,7 @@ where
         if self.failed || done >= budget {
             return None;
         }
-        let target = FIRST.checked_shl(self.run.state.round() as u32).unwrap_or(budget).min(budget);
+        let target = self.run.chunk.checked_shl(self.run.state.round() as u32).unwrap_or(budget).min(budget);
         if let Err(error) = self.run.advance_round(target.max(done + 1)) {
             self.failed = true;
             return Some(Err(error));

@@ -2,7 +2,7 @@
 
 use super::backward::{Backward, start};
 use super::driver::{Driver, End};
-use super::observer::{Recorder, Trace};
+use super::replay::replay;
 use super::scoring::Scoring;
 use super::{Ending, Walk};
 use crate::detector::Detector;
@@ -14,14 +14,19 @@ use crate::sampling::Sequence;
 use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
 use crate::value::{Value, Weight};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// Walks in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 pub(super) const CHUNK: u64 = 1024;
+/// The same for detectors of many cells: an image has few walks a pixel, and its first round shall come soon.
+const SMALL_CHUNK: u64 = 16;
 /// Walks abreast: enough to hide latencies, few enough for the first cache where weights are numbers.
 pub(super) const FRONT: usize = 128;
 /// Chunks in flight before they are merged: bounds memory on long runs.
 pub(super) const BATCH: usize = 4096;
+/// The same where every cell has one chunk.
+const WIDE_BATCH: usize = 1 << 16;
 /// Detectors with more cells keep no tails: 256 numbers a cell would outweigh an image.
 pub(super) const CELLS_WITH_TAILS: usize = 1024;
 
@@ -55,6 +60,8 @@ pub(super) struct Run<'a, G: Source, K, D, C, E, Q> {
     equation: &'a Equation<G, K>,
     detector: &'a D,
     truncation: Option<Truncation>,
+    /// walks in a chunk
+    pub(super) chunk: u64,
     pub(super) state: Checkpoint<G::Value>,
 }
 
@@ -97,7 +104,8 @@ where
         // the budget may change on resume, the method may not
         let method = format!("{:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
         let state = Checkpoint { method, done: 0, round: 0, elapsed: Duration::ZERO, cells: vec![cell; cells] };
-        Ok(Run { walk: *walk, equation, detector, truncation, state })
+        let chunk = if cells <= CELLS_WITH_TAILS { CHUNK } else { SMALL_CHUNK };
+        Ok(Run { walk: *walk, equation, detector, truncation, chunk, state })
     }
 
     pub(super) fn resume(&mut self, saved: Checkpoint<G::Value>) -> Result<(), Error> {
@@ -154,8 +162,11 @@ where
             let chunks = (batch / rows).max(1) as u64;
             let from = self.state.done;
             // whole chunks, so that any schedule of rounds cuts the walks at the same places
-            let to = ((from / CHUNK + chunks) * CHUNK).min(end);
-            self.batch(from, to)?;
+            let to = ((from / self.chunk + chunks) * self.chunk).min(end);
+            let step = (WIDE_BATCH / replicates as usize).max(1);
+            for first in (0..cells).step_by(step) {
+                self.batch(first..(first + step).min(cells), from, to)?;
+            }
             self.state.done = to;
             batch = (8 * batch).min(BATCH);
         }
@@ -163,23 +174,24 @@ where
         Ok(())
     }
 
-    fn batch(&mut self, from: u64, to: u64) -> Result<(), Error> {
+    fn batch(&mut self, cells: Range<usize>, from: u64, to: u64) -> Result<(), Error> {
         let replicates = self.replicates() as usize;
-        let chunks = (to.div_ceil(CHUNK) - from / CHUNK) as usize;
-        let tasks = self.state.cells.len() * replicates * chunks;
+        let (size, first) = (self.chunk, cells.start);
+        let chunks = (to.div_ceil(size) - from / size) as usize;
+        let tasks = cells.len() * replicates * chunks;
         // group small tasks: an image has many cells of a few walks each
-        let group = (CHUNK / (to - from).max(1)).clamp(1, 64) as usize;
+        let group = (CHUNK / (to - from).min(size).max(1)).clamp(1, 64) as usize;
         let this = &*self;
         let results = parallel::map(tasks.div_ceil(group), |g| {
             let one = |task: usize| {
-                let (row, chunk) = (task / chunks, (task % chunks) as u64 + from / CHUNK);
-                let (cell, replicate) = (row / replicates, row % replicates);
-                this.chunk(cell, replicate as u32, from.max(chunk * CHUNK), to.min((chunk + 1) * CHUNK))
+                let (row, chunk) = (task / chunks, (task % chunks) as u64 + from / size);
+                let (cell, replicate) = (first + row / replicates, row % replicates);
+                this.chunk(cell, replicate as u32, from.max(chunk * size), to.min((chunk + 1) * size))
             };
             (g * group..((g + 1) * group).min(tasks)).map(one).collect::<Result<Vec<_>, Error>>()
         });
         let results = results.into_iter().collect::<Result<Vec<_>, Error>>()?.concat();
-        for (cell, results) in self.state.cells.iter_mut().zip(results.chunks(replicates * chunks)) {
+        for (cell, results) in self.state.cells[cells].iter_mut().zip(results.chunks(replicates * chunks)) {
             for (task, chunk) in results.iter().enumerate() {
                 cell.replicates[task / chunks].merge(&chunk.moments);
                 cell.steps += chunk.steps;
@@ -266,31 +278,4 @@ where
             elapsed: self.state.elapsed,
         }
     }
-}
-
-/// One walk again, recorded.
-pub(super) fn replay<G, K, D, C, E, Q>(
-    walk: &Walk<C, E, Q>,
-    equation: &Equation<G, K>,
-    detector: &D,
-    cell: usize,
-    replicate: u32,
-    index: u64,
-) -> (Option<Error>, Trace<K::Point, K::Weight>)
-where
-    G: Source,
-    K: Transition + Operator<Point = G::Point>,
-    K::Weight: Weight<Value = G::Value>,
-    C: Scoring<G, K>,
-    E: Ending<K>,
-    Q: Sequence,
-    D: Detector<Point = G::Point>,
-{
-    let mut recorder = Recorder { vertices: Vec::new(), fault: None, cell, walk: index };
-    let mut lane = [start(detector, cell, 0, walk.sequence.point(cell as u64, replicate, index))];
-    let mut outcome = (G::Value::ZERO, End::TooLong);
-    let mut errand = Backward { equation, scoring: &walk.scoring };
-    let driver = Driver { kernel: equation.kernel(), ending: &walk.ending, max_steps: walk.max_steps };
-    driver.walk(&mut errand, &mut lane, &mut Vec::new(), &mut recorder, |walk| outcome = (walk.score, walk.end));
-    (recorder.fault, Trace { vertices: recorder.vertices, score: outcome.0, end: outcome.1 })
 }

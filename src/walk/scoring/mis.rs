@@ -12,13 +12,13 @@
 //! (theory (4.4.7)). Reference: Veach, Guibas, *Optimally combining sampling techniques for Monte Carlo rendering*, SIGGRAPH 1995.
 
 use super::next_event::{connect, unstated};
-use super::{Arrival, Scoring, Visit, collide};
+use super::{Arrival, Scoring, Visit, evaluated, scored};
 use crate::equation::Equation;
 use crate::error::Error;
 use crate::kernel::{Density, Kernel, Operator, TransitionPdf};
 use crate::sampling::Sampler;
 use crate::source::SampleSource;
-use crate::value::Weight;
+use crate::value::{Value, Weight};
 use crate::walk::{Ending, Observer};
 
 /// How two techniques share a point (theory (4.4.5)).
@@ -137,6 +137,15 @@ where
         score: &mut G::Value,
         observer: &mut O,
     ) {
+        if arrival.density() == Density::Unstated {
+            *score += unstated::<G, K, O>(visit, arrival, "multiple importance sampling", observer);
+            return;
+        }
+        let g = evaluated(equation, visit, observer);
+        // most points of a scene emit nothing: no density is asked for there
+        if g == G::Value::ZERO {
+            return;
+        }
         let share = match (arrival.density(), &arrival) {
             (Density::Known(pdf), Arrival::Step { from, .. }) => {
                 self.0.share(pdf, equation.source().pdf_for(from, &visit.point), Technique::Second)
@@ -145,13 +154,9 @@ where
                 let pdf = survival * equation.kernel().pdf(from, &visit.point);
                 self.0.share(pdf, equation.source().pdf_for(from, &visit.point), Technique::Second)
             }
-            (Density::Unstated, _) => {
-                *score += unstated::<G, K, O>(visit, arrival, "multiple importance sampling", observer);
-                return;
-            }
             _ => 1.0,
         };
-        *score += collide(equation, visit, share, observer);
+        *score += scored(visit, g, share, observer);
     }
 
     #[inline]

@@ -119,8 +119,27 @@ where
     K::Weight: Weight<Value = G::Value>,
     O: Observer<K::Point, K::Weight>,
 {
+    let g = evaluated(equation, visit, observer);
+    scored(visit, g, factor, observer)
+}
+
+/// g(x), reported.
+#[inline]
+fn evaluated<G, K, O>(equation: &Equation<G, K>, visit: &Visit<K::Point, K::Weight>, observer: &mut O) -> G::Value
+where
+    G: Source,
+    K: Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    O: Observer<K::Point, K::Weight>,
+{
     let g = equation.source().eval(&visit.point);
     observer.source(&visit.point, &g);
+    g
+}
+
+/// factor · W g, reported.
+#[inline]
+fn scored<X, W: Weight, O: Observer<X, W>>(visit: &Visit<X, W>, g: W::Value, factor: f64, observer: &mut O) -> W::Value {
     let score = visit.weight.apply(g);
     let score = if factor == 1.0 { score } else { score.scale(factor) };
     observer.score(&score);

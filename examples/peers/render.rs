@@ -1,0 +1,21 @@
+//! A scene by path tracing.
+
+use fredholm::scene::{self, Image};
+use fredholm::{Error, Estimate, Spectrum, Walk, walk::Roulette};
+use std::time::Instant;
+
+/// What the scenes of the protocol are rendered at.
+const SIZE: usize = 64;
+
+pub(crate) fn render(file: &str, samples: u64, seed: u64, out: &str) -> Result<(), Error> {
+    let loaded = scene::load(file)?;
+    let camera = loaded.cameras.first().map_or_else(|| scene::Camera::look_at([0.0, 0.0, 5.0], [0.0; 3]), |c| c.0);
+    let scene = loaded.builder.build()?;
+    let (equation, film) = (scene.light_transport(), scene.film(camera, SIZE, SIZE));
+    let clock = Instant::now();
+    let walk = Walk::mis().roulette(Roulette::throughput(1.0).after(2)).samples_per_cell(samples).seed(seed);
+    let image: Image<Estimate<Spectrum<3>>> = equation.seen_by(&film).solve(&walk)?;
+    println!("seconds={}", clock.elapsed().as_secs_f64());
+    let bytes: Vec<u8> = image.pixels().iter().flat_map(|p| p.value.0).flat_map(|v| (v as f32).to_le_bytes()).collect();
+    std::fs::write(out, bytes).map_err(|e| Error::Io { path: out.into(), message: e.to_string() })
+}

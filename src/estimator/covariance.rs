@@ -1,0 +1,83 @@
+//! The weights of least variance.
+//!
+//! ```text
+//! min aᵀSa  subject to  1ᵀa = 1:      a = S⁻¹1 / (1ᵀS⁻¹1)                                                               theory (4.15.1)
+//! ```
+//!
+//! S may be singular. With S v = 0 and 1ᵀv ≠ 0 some combination has no variance at all: a is then the projection of 1 on the null space, the limit of
+//! (S + εI)⁻¹1. Otherwise the null directions, differences of estimators that coincide, are left out: the pseudo-inverse.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Eigenvalues below this share of the largest are taken for zero: rounding of covariances.
+const SINGULAR: f64 = 1e-12;
+
+/// Sample covariance of columns of equally many scores.
+pub(super) fn covariance(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let n = columns[0].len() as f64;
+    let centred: Vec<Vec<f64>> = columns
+        .iter()
+        .map(|c| {
+            let mean = c.iter().sum::<f64>() / n;
+            c.iter().map(|y| y - mean).collect()
+        })
+        .collect();
+    let product = |i: usize, j: usize| centred[i].iter().zip(&centred[j]).map(|(a, b)| a * b).sum::<f64>() / (n - 1.0);
+    DMatrix::from_fn(columns.len(), columns.len(), |i, j| product(i.min(j), i.max(j)))
+}
+
+/// a of least aᵀSa among those that add up to 1.
+pub(super) fn weights(s: &DMatrix<f64>) -> DVector<f64> {
+    let n = s.nrows();
+    let one = DVector::from_element(n, 1.0);
+    let largest = s.diagonal().max();
+    if !(largest > 0.0) {
+        return one / n as f64;
+    }
+    let eigen = (s / largest).symmetric_eigen();
+    let threshold = SINGULAR * eigen.eigenvalues.max();
+    let along = eigen.eigenvectors.tr_mul(&one);
+    let is_null = |i: usize| eigen.eigenvalues[i] <= threshold;
+    // 1 has a part without variance, beyond rounding
+    let free = (0..n).filter(|i| is_null(*i)).map(|i| along[i] * along[i]).sum::<f64>() > 1e-6;
+    let coefficient = |i: usize| match (is_null(i), free) {
+        (true, true) => along[i],
+        (false, false) => along[i] / eigen.eigenvalues[i],
+        _ => 0.0,
+    };
+    let a = &eigen.eigenvectors * DVector::from_fn(n, |i, _| coefficient(i));
+    let sum = a.sum();
+    a / sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(rows: &[&[f64]]) -> Vec<f64> {
+        let n = rows.len();
+        weights(&DMatrix::from_fn(n, n, |i, j| rows[i][j])).iter().copied().collect()
+    }
+
+    fn close(a: &[f64], b: &[f64]) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9), "{a:?} is not {b:?}");
+    }
+
+    #[test]
+    fn the_weights_are_those_of_least_variance() {
+        // independent: inverse variances; correlated: S⁻¹1 by hand
+        close(&of(&[&[1.0, 0.0], &[0.0, 4.0]]), &[0.8, 0.2]);
+        close(&of(&[&[1.0, 1.5], &[1.5, 4.0]]), &[1.25, -0.25]);
+    }
+
+    #[test]
+    fn singular_covariances_have_an_answer() {
+        // the same estimator twice, and with a third
+        close(&of(&[&[2.0, 2.0], &[2.0, 2.0]]), &[0.5, 0.5]);
+        close(&of(&[&[1.0, 1.0, 0.0], &[1.0, 1.0, 0.0], &[0.0, 0.0, 1.0]]), &[0.25, 0.25, 0.5]);
+        // antithetic: the mean has no variance; one of no variance at all; none of any
+        close(&of(&[&[1.0, -1.0], &[-1.0, 1.0]]), &[0.5, 0.5]);
+        close(&of(&[&[0.0, 0.0], &[0.0, 3.0]]), &[1.0, 0.0]);
+        close(&of(&[&[0.0, 0.0], &[0.0, 0.0]]), &[0.5, 0.5]);
+    }
+}

@@ -1,0 +1,59 @@
+//! Scores of one point for many cells.
+
+use crate::error::Error;
+use crate::estimator::Estimator;
+use crate::sampling::Sampler;
+use crate::value::Value;
+
+/// An unbiased estimator of all cells at once: one point of the cube scores in any of them.
+///
+/// Law: over uniform points, `E[Σ of what is added to cell j]` is the value of cell j.
+///
+/// An [`Estimator`], which knows one cell at a time, is a tally: one coordinate of the point chooses the cell.
+pub trait Tally: Send + Sync {
+    /// What is estimated.
+    type Value: Value;
+    /// Memory reused from point to point; what is left in it never matters.
+    type Scratch: Default;
+
+    /// Number of cells.
+    fn cells(&self) -> usize;
+
+    /// Calls `add(cell, score)` for the cells that the point scores in; returns steps and evaluations.
+    fn tally<S: Sampler>(&self, u: &mut S, scratch: &mut Self::Scratch, add: &mut impl FnMut(usize, Self::Value)) -> (u64, u64);
+
+    /// Why a score of the point is not finite, from a fresh cursor on it.
+    fn explain<S: Sampler>(&self, u: &mut S) -> Option<Error> {
+        let _ = u;
+        None
+    }
+}
+
+/// The cell that a point chooses, each with probability 1/cells.
+fn choose<S: Sampler>(cells: usize, u: &mut S) -> usize {
+    // the start of walks, which seek it again, must not read the same coordinate: it is read where a fresh cursor stands
+    ((u.next_1d() * cells as f64) as usize).min(cells - 1)
+}
+
+impl<T: Estimator> Tally for T {
+    type Value = T::Value;
+    type Scratch = T::Scratch;
+
+    fn cells(&self) -> usize {
+        Estimator::cells(self)
+    }
+
+    #[inline]
+    fn tally<S: Sampler>(&self, u: &mut S, scratch: &mut T::Scratch, add: &mut impl FnMut(usize, T::Value)) -> (u64, u64) {
+        let cells = Estimator::cells(self);
+        let cell = choose(cells, u);
+        let score = self.score(cell, u, scratch);
+        add(cell, score.value.scale(cells as f64));
+        (score.steps, score.evaluations)
+    }
+
+    fn explain<S: Sampler>(&self, u: &mut S) -> Option<Error> {
+        let cell = choose(Estimator::cells(self), u);
+        Estimator::explain(self, cell, 0, u)
+    }
+}

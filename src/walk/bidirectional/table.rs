@@ -1,0 +1,127 @@
+//! The strategies one by one.
+
+use super::pair::Memory;
+use super::{Bidirectional, Connect};
+use crate::detector::StartPdf;
+use crate::equation::Query;
+use crate::error::Error;
+use crate::estimator::Estimator;
+use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
+use crate::parallel;
+use crate::sampling::Sequence;
+use crate::source::EmitPdf;
+use crate::statistics::Moments;
+use crate::value::{Value, Weight};
+use crate::walk::Ending;
+
+/// What one strategy contributes, alone and in company.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Strategy<V = f64> {
+    /// Vertices from the source.
+    pub s: u64,
+    /// Vertices from the detector.
+    pub t: u64,
+    /// Scores C_{s,t}: their mean is ⟨h, T^{s+t−1} g⟩, if this strategy can find every path.
+    pub alone: Moments<V>,
+    /// Scores w_{s,t} C_{s,t}: over the strategies of one order their means add up to ⟨h, Tᵐ g⟩.
+    pub weighted: Moments<V>,
+}
+
+impl<V: Value> Strategy<V> {
+    /// m = s + t − 1, edges of the path.
+    #[must_use]
+    pub fn order(&self) -> u64 {
+        self.s + self.t - 1
+    }
+}
+
+/// Pairs in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
+const CHUNK: u64 = 1024;
+
+/// All (s, t) of orders up to `order`, by order, then by s.
+fn places(order: u64) -> impl Iterator<Item = (u64, u64)> {
+    (0..=order).flat_map(|m| (0..=m + 1).map(move |s| (s, m + 1 - s)))
+}
+
+/// The place of (s, t) in that order.
+fn index(s: usize, t: usize) -> usize {
+    // orders below m = s + t − 1 have 2 + 3 + … + (m + 1) strategies
+    let m = s + t - 1;
+    m * (m + 3) / 2 + s
+}
+
+impl<G, K, D> Query<'_, G, K, D>
+where
+    G: EmitPdf,
+    K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    D: StartPdf<Point = G::Point>,
+{
+    /// The strategies of paths of up to `order` edges, from the pairs of the detector's cell `cell`: what each finds alone, and with its weight.
+    ///
+    /// ```
+    /// use fredholm::{Bidirectional, Equation};
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+    /// let table = eq.at(0.5).strategies(&Bidirectional::new(), 0, 2)?;
+    /// // (T²g)(½) = 1/48, by every strategy but s = 3, which would have to hit the point
+    /// for strategy in table.iter().filter(|strategy| strategy.order() == 2 && strategy.t > 0) {
+    ///     assert!((strategy.alone.mean * 48.0 - 1.0).abs() < 0.2);
+    /// }
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of a solve; [`Error::Invalid`] for a cell that the detector does not have.
+    pub fn strategies<E, F, Q>(&self, walks: &Bidirectional<E, F, Q>, cell: usize, order: u64) -> Result<Vec<Strategy<G::Value>>, Error>
+    where
+        E: Ending<K>,
+        F: Ending<K::Adjoint>,
+        Q: Sequence,
+    {
+        let pairs = self.bidirectional(walks)?;
+        if cell >= self.detector().cells() {
+            return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
+        }
+        let (sequence, replicates) = (walks.sequence, u64::from(walks.sequence.replicates().unwrap_or(1)));
+        let count = walks.samples.div_ceil(replicates);
+        let chunks = count.div_ceil(CHUNK);
+        let places: Vec<_> = places(order).collect();
+        let parts = parallel::map((chunks * replicates) as usize, |task| {
+            let (replicate, first) = ((task as u64 / chunks) as u32, task as u64 % chunks * CHUNK);
+            let indices = first..(first + CHUNK).min(count);
+            let size = (indices.end - first) as usize;
+            let mut scores = vec![[G::Value::ZERO; 2]; size * places.len()];
+            let mut memory = Memory::<G, K>::default();
+            for (i, mut u) in sequence.points(cell as u64, replicate, indices).enumerate() {
+                let mut sum = G::Value::ZERO;
+                let done = pairs.pair(cell, &mut u, &mut memory, |j| {
+                    let weighted = j.contribution.scale(j.weight);
+                    sum += weighted;
+                    if ((j.s + j.t) as u64) <= order + 1 {
+                        scores[index(j.s, j.t) * size + i] = [j.contribution, weighted];
+                    }
+                });
+                if done.is_err() || !sum.all_finite() {
+                    let walk = first + i as u64;
+                    let unexplained = Error::NonFiniteScore { sample: walk, replicate, score: format!("{sum:?}") };
+                    return Err(pairs.explain(cell, walk, &mut sequence.point(cell as u64, replicate, walk)).unwrap_or(unexplained));
+                }
+            }
+            let moments = |k: usize, part: usize| {
+                let column: Vec<_> = scores[k * size..(k + 1) * size].iter().map(|score| score[part]).collect();
+                Moments::from_scores(&column)
+            };
+            Ok((0..places.len()).map(|k| [moments(k, 0), moments(k, 1)]).collect::<Vec<_>>())
+        });
+        let mut table: Vec<Strategy<G::Value>> =
+            places.iter().map(|&(s, t)| Strategy { s, t, alone: Moments::default(), weighted: Moments::default() }).collect();
+        for part in parts {
+            for (strategy, [alone, weighted]) in table.iter_mut().zip(part?) {
+                strategy.alone.merge(&alone);
+                strategy.weighted.merge(&weighted);
+            }
+        }
+        Ok(table)
+    }
+}

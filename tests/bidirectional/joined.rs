@@ -1,0 +1,199 @@
+//! Bidirectional walks on equations with known answers.
+
+use crate::common::{Budget, Reference, all_pass};
+use crate::{erased, stated};
+use fredholm::detector::{At, Bins, Functional, StartPdf};
+use fredholm::deterministic::quadrature::composite_unit_rule;
+use fredholm::domain::Interval;
+use fredholm::estimator::{Combination, Metropolis};
+use fredholm::kernel::{HasAdjoint, Kernel, Operator, TransitionPdf};
+use fredholm::sampling::Sobol;
+use fredholm::source::{EmitPdf, Source};
+use fredholm::walk::{Connect, Heuristic, Roulette, Strategies};
+use fredholm::{Bidirectional, Equation, Error, Estimate, GroupMatrix, Spectrum, Value, Weight};
+
+const HEURISTICS: [Heuristic; 4] = [Heuristic::Balance, Heuristic::Power(2.0), Heuristic::Maximum, Heuristic::Average];
+
+/// Pairs for a standard error that sees a bias of `margin`, from a pilot of another seed.
+fn sized<V: Value>(budget: &Budget, margin: f64, solve: impl Fn(u64, u64) -> Result<Estimate<V>, Error>) -> Estimate<V> {
+    let sigma = solve(8192, 1).unwrap().variance().unwrap().magnitude().sqrt();
+    let n = ((budget.detectable() * sigma / margin).powi(2) * 2.0).clamp(4096.0, 2e6) as u64;
+    solve(n, 2).unwrap()
+}
+
+fn solve<G, K, D>(eq: &Equation<G, K>, detector: &D, walks: Bidirectional, (n, seed): (u64, u64)) -> Result<Estimate<G::Value>, Error>
+where
+    G: EmitPdf,
+    K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    D: for<'a> StartPdf<Point = G::Point, Answer<Estimate<G::Value>> = Estimate<G::Value>>,
+{
+    eq.seen_by(detector).solve(&walks.samples_per_cell(n).seed(seed))
+}
+
+/// ⟨h, Tᵐ g⟩ on the unit interval for m = 0, …, `order`, by Gauss–Legendre.
+fn elements<G: Source<Point = f64, Value = f64>, K: Kernel + Operator<Point = f64, Weight = f64>>(
+    eq: &Equation<G, K>,
+    h: impl Fn(f64) -> f64,
+    order: usize,
+) -> Vec<f64> {
+    let nodes = composite_unit_rule(8, 8);
+    let mut term: Vec<f64> = nodes.iter().map(|n| eq.source().eval(&n.point)).collect();
+    let mut out = Vec::new();
+    for _ in 0..=order {
+        out.push(nodes.iter().zip(&term).map(|(n, v)| n.weight * h(n.point) * v).sum());
+        let row = |x: f64| nodes.iter().zip(&term).map(|(y, v)| y.weight * eq.kernel().eval(&x, &y.point) * v).sum::<f64>();
+        term = nodes.iter().map(|x| row(x.point)).collect();
+    }
+    out
+}
+
+/// For each order and each weight, the strategies agree with each other and with ⟨h, Tᵐ g⟩ (theory §5.3, T7).
+#[test]
+fn strategies_of_every_order_agree() {
+    let mut budget = Budget::of("bidirectional::strategies");
+    let mut results = Vec::new();
+    let eq = erased!((0.0, 1.0), |x: f64| 1.0 + x * x, |x: f64, y: f64| 0.7 * (-x * y * y).exp() * (1.0 + x - y));
+    let detector = Functional::new(Interval::from(0.0..=1.0), |x: &f64| 0.5 + x);
+    let truth = elements(&eq, |x| 0.5 + x, 3);
+    let walks = Bidirectional::new().roulette(Roulette::constant(0.8)).samples_per_cell(1 << 17);
+    let query = eq.seen_by(&detector);
+    let table = query.strategies(&walks, 0, 3).unwrap();
+    for strategy in &table {
+        let (what, truth) = (format!("s = {}, t = {}", strategy.s, strategy.t), truth[strategy.order() as usize]);
+        let m = &strategy.alone;
+        results.push(budget.mean(&what, (m.mean, m.std_error().unwrap(), m.count as f64), truth, 0.25 * truth));
+        // weights lie in [0, 1], contributions of this equation are positive
+        assert!(strategy.weighted.mean > 0.0 && strategy.weighted.mean < m.mean, "{what}");
+    }
+    for heuristic in HEURISTICS {
+        for (m, truth) in truth.iter().enumerate() {
+            let walks = walks.heuristic(heuristic).strategies(Strategies::Order(m as u64));
+            let e = query.solve(&walks).unwrap();
+            results.push(budget.mean(&format!("{heuristic:?}, order {m}"), stated(&e), *truth, 0.05 * truth));
+        }
+    }
+    all_pass(results);
+}
+
+#[test]
+fn problems_of_the_zoo() {
+    let mut budget = Budget::of("bidirectional::zoo");
+    let mut results = Vec::new();
+    let green = |x: f64, y: f64| 5.0 * (x.min(y) - x * y);
+    let rows = [
+        ("expxy-g1-lam0.5", erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| 0.5 * (x * y).exp())),
+        ("green-bridge-lam5", erased!((0.0, 1.0), |_| 1.0, green)),
+        ("signchanging-nonsym", erased!((0.0, 1.0), f64::cos, |x: f64, y: f64| 1.2 * (5.0 * x - 3.0 * y).sin() * (-x * y).exp())),
+        ("volterra-step-lam1", erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| f64::from(u8::from(x > y)))),
+        ("lieb-liniger-gamma1", {
+            let d = Reference::load("lieb-liniger-gamma1").parameter("d");
+            let pi = std::f64::consts::PI;
+            erased!((-1.0, 1.0), move |_| 0.5 / pi, move |x: f64, y: f64| d / (pi * (d * d + (x - y).powi(2))))
+        }),
+    ];
+    for (name, eq) in rows {
+        let values = Reference::load(name).scalar();
+        let margin = 0.03 * values.iter().fold(0.0, |m: f64, v| m.max(v.1.abs()));
+        let table = eq.clone().tabulated(16).unwrap();
+        for (i, heuristic) in HEURISTICS.into_iter().enumerate() {
+            let (x, f) = values[(2 * i + 1) % values.len()];
+            let walks = Bidirectional::new().heuristic(heuristic);
+            let e = sized(&budget, margin, |n, seed| solve(&eq, &At(x), walks, (n, seed)));
+            results.push(budget.mean(&format!("{name} uniform {heuristic:?} x = {x}"), stated(&e), f, margin));
+            let e = sized(&budget, margin, |n, seed| solve(&table, &At(x), walks.roulette(Roulette::constant(0.9)), (n, seed)));
+            results.push(budget.mean(&format!("{name} tabulated {heuristic:?} x = {x}"), stated(&e), f, margin));
+        }
+    }
+    all_pass(results);
+}
+
+/// The order of matrix factors: W^E K w^L.
+#[test]
+fn systems_with_matrix_weights() {
+    let mut budget = Budget::of("bidirectional::matrix");
+    let mut results = Vec::new();
+    // f = (1, x) + ∫ K f with K = [[0.3, 0.5 x], [0.1 y, 0.2]]: by Nyström
+    let k = |x: f64, y: f64| GroupMatrix([[0.3, 0.5 * x], [0.1 * y, 0.2]]);
+    let eq = Equation::on_interval(0.0..=1.0, |x| Spectrum([1.0, x]), k);
+    let exact = eq.solve(&fredholm::deterministic::Nystrom::gauss_legendre(16)).unwrap();
+    for heuristic in [Heuristic::Balance, Heuristic::Maximum] {
+        let walks = Bidirectional::new().heuristic(heuristic);
+        let e = sized(&budget, 0.02, |n, seed| solve(&eq, &At(0.7), walks, (n, seed)));
+        for c in 0..2 {
+            let seen = (e.value[c], e.std_error.unwrap()[c], e.degrees_of_freedom as f64);
+            results.push(budget.mean(&format!("{heuristic:?}, component {c}"), seen, exact.eval(0.7)[c], 0.03));
+        }
+    }
+    all_pass(results);
+}
+
+/// Small source, small detector, peaked kernel: neither direction alone is as good.
+#[test]
+fn strategies_combine_with_minimum_variance_too() {
+    let eq = erased!((0.0, 1.0), |x: f64| f64::from(u8::from(x > 0.9)), |x: f64, y: f64| 0.8 * (-(x - y).powi(2)).exp());
+    let h = Functional::new(Interval::from(0.0..=1.0), |x: &f64| f64::from(u8::from(*x < 0.1)));
+    let query = eq.seen_by(&h);
+    let alone = |s, t| Bidirectional::new().strategies(Strategies::One { s, t });
+    let combination = Combination::new()
+        .with(query.bidirectional(&alone(0, 3)).unwrap())
+        .with(query.bidirectional(&alone(1, 2)).unwrap())
+        .with(query.bidirectional(&alone(2, 1)).unwrap())
+        .with(query.bidirectional(&alone(3, 0)).unwrap())
+        .pilot(1 << 14)
+        .samples_per_cell(1 << 16)
+        .solve()
+        .unwrap();
+    let balance = query.solve(&Bidirectional::new().strategies(Strategies::Order(2)).samples_per_cell(1 << 16).seed(9)).unwrap();
+    let best = combination[0].variances.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(combination[0].estimate.variance().unwrap() < 1.05 * best);
+    let difference = combination[0].estimate.value - balance.value;
+    let error = combination[0].estimate.std_error.unwrap().hypot(balance.std_error.unwrap());
+    assert!(difference.abs() < 6.0 * error, "{} against {balance}", combination[0].estimate);
+}
+
+/// Sequences with replicates, cells, the same bits for any number of threads, and Metropolis over pairs of walks.
+#[test]
+fn pairs_are_estimators_like_others() {
+    let eq = erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| 0.5 * x * y);
+    let bins = Bins::new(0.0..=1.0, 4);
+    let solve = || eq.seen_by(&bins).solve(&Bidirectional::new().sequence(Sobol::new(2)).samples_per_cell(1 << 12)).unwrap();
+    let run = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(solve);
+    let (one, three) = (run(1), run(3));
+    for (cell, (a, b)) in one.iter().zip(&three).enumerate() {
+        assert_eq!((a.value, a.std_error, a.evaluations), (b.value, b.std_error, b.evaluations));
+        assert_eq!(a.degrees_of_freedom, 15);
+        assert!(a.agrees_with(1.0 + 0.3 * bins.centre(cell), 8.0), "{a}");
+    }
+    let query = eq.seen_by(&bins);
+    let pairs = query.bidirectional(&Bidirectional::new()).unwrap();
+    let chains = Metropolis::new().mutations(512).solve(&pairs).unwrap();
+    assert!(chains.cells[2].agrees_with(1.0 + 0.3 * bins.centre(2), 8.0), "{}", chains.cells[2]);
+}
+
+#[test]
+fn refusals() {
+    let eq = erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| 0.5 * x * y);
+    let invalid = |r: Result<Estimate, Error>, name: &str| match r {
+        Err(Error::Invalid { parameter, .. }) => assert_eq!(parameter, name),
+        other => panic!("{name}: {other:?}"),
+    };
+    let q = eq.at(0.5);
+    invalid(q.solve(&Bidirectional::new().samples_per_cell(0)), "samples_per_cell");
+    invalid(q.solve(&Bidirectional::new().max_steps(0)), "max_steps");
+    invalid(q.solve(&Bidirectional::new().heuristic(Heuristic::Power(-1.0))), "power heuristic exponent");
+    invalid(q.solve(&Bidirectional::new().roulette(Roulette::constant(0.0))), "roulette survival probability");
+    invalid(q.solve(&Bidirectional::new().endings(fredholm::walk::FixedDepth(3), Roulette::constant(0.5))), "depth");
+    assert!(matches!(q.solve(&Bidirectional::new().roulette(Roulette::constant(1.0))), Err(Error::NeverEnds)));
+    assert!(matches!(q.strategies(&Bidirectional::new(), 1, 2), Err(Error::Invalid { parameter: "cell", .. })));
+    let divergent = erased!((0.0, 1.0), |_| 1.0, |_: f64, _: f64| 1.5);
+    assert!(matches!(divergent.at(0.5).solve(&Bidirectional::new()), Err(Error::Divergent { .. })));
+    let long = q.solve(&Bidirectional::new().max_steps(1).samples_per_cell(1 << 16));
+    assert!(matches!(long, Err(Error::WalkTooLong { steps: 1, .. })), "{long:?}");
+    let bad = erased!((0.0, 1.0), |x: f64| if x > 0.5 { f64::NAN } else { 1.0 }, |x: f64, y: f64| 0.5 * x * y);
+    assert!(matches!(bad.at(0.2).solve(&Bidirectional::new()), Err(Error::NonFiniteSource { .. })));
+    // no source: nothing scores, and the estimate says that it knows nothing
+    let dark = erased!((0.0, 1.0), |_| 0.0, |x: f64, y: f64| 0.5 * x * y);
+    let e = dark.at(0.5).solve(&Bidirectional::new()).unwrap();
+    assert_eq!(e.verdict(), fredholm::statistics::Verdict::NothingScored);
+}
