@@ -28,7 +28,7 @@ pub use bidirectional::{Beyond, Bidirectional, Connect, PairEstimator, PairMemor
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use estimator::WalkEstimator;
-pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTrace, Seen};
+pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTally, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
 pub use profile::{Basis, Expansion, Histogram, KernelTally, Plan, PlanOf, Profiling, Smoothed, SmoothingKernels, Tally};

@@ -63,6 +63,7 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::debias", 8),
     ("bidirectional::metropolis", 16),
     ("bidirectional::metropolis coverage", 3),
+    ("bidirectional::forward", 8),
     ("bidirectional::strategies", 30),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
