@@ -59,6 +59,12 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::debias", 8),
     ("bidirectional::metropolis", 16),
     ("bidirectional::metropolis coverage", 3),
+    ("scene::materials", 16),
+    ("scene::furnaces", 54),
+    ("scene::plates", 2),
+    ("scene::cornell", 2),
+    ("scene::hard", 4),
+    ("scene::radiosity", 3),
 ];
 
 /// The share of one test.
