@@ -82,6 +82,12 @@ const REGISTERED: &[(&str, u32)] = &[
     ("forward::slab", 3),
     ("forward::smoothing", 6),
     ("forward::expansion", 4),
+    ("scene::materials", 16),
+    ("scene::furnaces", 54),
+    ("scene::plates", 2),
+    ("scene::cornell", 2),
+    ("scene::hard", 4),
+    ("scene::radiosity", 3),
 ];
 
 /// The share of one test.
