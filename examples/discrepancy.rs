@@ -62,7 +62,7 @@ fn main() -> Result<(), Error> {
         );
         plot = plot.series(name, points);
     }
-    plot.save("target/plots/discrepancy.svg")?;
-    println!("wrote target/plots/discrepancy.svg");
+    plot.save("target/plots/discrepancy.png")?;
+    println!("wrote target/plots/discrepancy.png");
     Ok(())
 }

@@ -38,13 +38,21 @@
 //! | [`Walk::next_event`] | [`Kernel`](kernel::Kernel) | [`SampleSource`](source::SampleSource) | yes | and ∫K²g²/q < ∞ along the walk |
 //! | [`Walk::mis`] | `Kernel`, [`TransitionPdf`](kernel::TransitionPdf) | `SampleSource` | yes | as the better of both |
 //! | [`Walk::fixed_depth`] | `Transition` | `Source` | no: the bound is printed | always |
+//! | [`Bidirectional`] | `Kernel`, `TransitionPdf`, [`HasAdjoint`](kernel::HasAdjoint) | [`EmitPdf`](source::EmitPdf) | yes | of one of its strategies where it matters |
 //! | [`ArrayRqmc`](walk::ArrayRqmc) of any walk | and [`HasDomain`](kernel::HasDomain) | as the walk | yes | as the walk; falls faster than 1/n |
+//! | [`Forward::new`] | [`HasAdjoint`](kernel::HasAdjoint) | [`Emit`](source::Emit) | yes | ρ(K²/π*) < 1 |
+//! | [`Forward::next_event`] | `Kernel`, `HasAdjoint` | `Emit` | yes, at points too | and ∫K(η, ·)² < ∞ along the walk |
+//! | [`Forward::profile`] by [tallies](walk::Tally) | as its tally | `Emit` | [says so](statistics::Bias) | as above |
 //! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
 //!
 //! Plain integrals ∫f dμ, on which walks stand, are [`Integral`]s with the same verb and the same [`Estimate`]: [`integral`] has importance sampling,
 //! strata, combined sampling, control functions. [`Study`](statistics::Study) measures bias, variance and coverage of any estimator.
 //!
-//! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own.
+//! Unbiased walks are functions on the unit cube ([`estimator`]): several of one quantity are combined with weights of least variance, Metropolis' rule drives
+//! one through the cube for many cells at once, randomised truncation makes a convergent sequence unbiased.
+//!
+//! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own; and its adjoint walk,
+//! from the source to every cell of a detector at once, for nothing. [`Forward::profile`] finds the whole of f with a band that holds for all points.
 //!
 //! # Guarantees
 //!

@@ -9,6 +9,7 @@
 //! target/release/examples/peers lu 1000 2000                 a dense system: assembly, factorisation, condition number, solution
 //! target/release/examples/peers rng 20000000                 uniforms, Sobol' and other points by the number
 //! target/release/examples/peers render tests/data/scenes/cornell.gltf 64 1 1 out.f32      a scene at 64 × 64, 64 walks a pixel
+//! target/release/examples/peers qmc                          discrepancies and integration errors of point sets
 //! ```
 //!
 //! Prints one comma-separated line a run: name, fredholm, variant, threads, samples, best and median seconds, rates, results; `determ`:
@@ -19,6 +20,7 @@
 mod determ;
 mod linalg;
 mod render;
+mod qmc;
 mod rng;
 mod slab;
 mod toy;
@@ -45,7 +47,7 @@ pub(crate) fn timed<T>(repetitions: usize, mut run: impl FnMut() -> Result<T, Er
 }
 
 const USAGE: &str = "usage: peers toy A|B pcg64 WALKS REPETITIONS THREADS | peers slab HISTORIES REPETITIONS THREADS | peers determ KEY | \
-                     peers lu|matvec|assemble N… | peers rng COUNT | \
+                     peers lu|matvec|assemble N… | peers rng COUNT | peers qmc | \
                      peers render SCENE.gltf SAMPLES SEED THREADS OUT.f32";
 
 fn count<T: std::str::FromStr + PartialOrd + From<u8>>(argument: &str) -> Result<T, String> {
@@ -79,6 +81,7 @@ fn answer(arguments: &[&str]) -> Result<(), String> {
             let seed = seed.parse().map_err(|_| format!("'{seed}' is not a seed"))?;
             on_threads(threads, || render::render(file, samples, seed, out))
         }
+        ["qmc"] => qmc::qmc().map_err(|e| e.to_string()),
         [command @ ("render" | "rays"), ..] => Err(format!("'{command}' is not there yet")),
         _ => Err(USAGE.to_string()),
     }

@@ -6,7 +6,7 @@ use fredholm::Error;
 use fredholm::deterministic::quadrature::unit_rule;
 use fredholm::deterministic::{Collocation, ElementSolution, Galerkin, Nystrom, NystromSolution};
 use fredholm::domain::{Domain, Node, Point};
-use fredholm::formula::{Stated, Statement, TextEquation};
+use fredholm::formula::{Stated, TextEquation};
 use fredholm::kernel::{HasDomain, Kernel, Operator};
 use fredholm::sampling::{Pcg, Sequence};
 use fredholm::source::Source;
@@ -20,27 +20,15 @@ const SAFETY: f64 = 4.0;
 const DEGREE: usize = 3;
 const GRADING: f64 = 4.0;
 
-/// Every deterministic method asked for.
-pub(crate) fn all(statement: &Statement, options: &Options) -> Vec<Outcome> {
-    match statement {
-        Statement::Interval(s) => each(s, options),
-        Statement::HalfLine(s) => each(s, options),
-        Statement::System(s) => each(s, options),
-        Statement::Line(s) => each(s, options),
-        Statement::Disk(s) => each(s, options),
-        Statement::Box2(s) => each(s, options),
-        Statement::Box3(s) => each(s, options),
-        _ => refuse_all(options),
-    }
-}
-
-fn refuse_all(options: &Options) -> Vec<Outcome> {
+/// Why none of them is tried.
+pub(crate) fn refused(options: &Options) -> Vec<Outcome> {
     let why = "a product rule of n nodes a coordinate has n^d of them: use walks beyond three dimensions";
     let refused = |method| Outcome { method, seconds: 0.0, note: String::new(), result: Err(why.into()) };
     options.deterministic.iter().map(|(method, _)| refused(*method)).collect()
 }
 
-fn each<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
+/// Every deterministic method asked for.
+pub(crate) fn all<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec<Outcome> {
     let eq = stated.equation();
     let one = |&(method, which): &(&'static str, DeterministicMethod)| {
         let clock = Instant::now();

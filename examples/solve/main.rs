@@ -12,15 +12,18 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod any;
 mod deterministic;
 mod options;
 mod plot;
 mod report;
+mod rules;
 mod spectrum;
 mod walks;
 
+use any::{AnyLine, AnyPlane};
 use fredholm::Error;
-use fredholm::formula::{Problem, Statement};
+use fredholm::formula::{Problem, Stated, Statement};
 use options::Options;
 use report::{Judge, Line, Outcome, Tally};
 use std::path::{Path, PathBuf};
@@ -130,22 +133,32 @@ fn known_values(problem: &Problem) -> usize {
     problem.statement.visit(&mut Count)
 }
 
+fn on_a_line(stated: &Stated<AnyLine>, options: &Options) -> Vec<Outcome> {
+    both(walks::on_a_line(stated, options), deterministic::all(stated, options))
+}
+
+fn in_a_plane(stated: &Stated<AnyPlane>, options: &Options) -> Vec<Outcome> {
+    both(walks::in_a_box(stated, options), deterministic::all(stated, options))
+}
+
+fn both(mut walks: Vec<Outcome>, deterministic: Vec<Outcome>) -> Vec<Outcome> {
+    walks.extend(deterministic);
+    walks
+}
+
 fn solve(name: &str, problem: &Problem, options: &Options) -> Vec<Line> {
-    let mut outcomes: Vec<Outcome> = match &problem.statement {
-        Statement::Interval(s) => walks::on_a_line(s, options),
-        Statement::HalfLine(s) => walks::on_a_line(s, options),
-        Statement::System(s) => walks::on_a_line(s, options),
-        Statement::Line(s) => walks::on_a_line(s, options),
-        Statement::Disk(s) => walks::in_a_box(s, options),
-        Statement::Box2(s) => walks::in_a_box(s, options),
-        Statement::Box3(s) => walks::in_a_box(s, options),
-        Statement::Box8(s) => walks::in_a_box(s, options),
-        Statement::Box16(s) => walks::in_a_box(s, options),
-        Statement::Box32(s) => walks::in_a_box(s, options),
-        Statement::Box64(s) => walks::in_a_box(s, options),
+    let outcomes: Vec<Outcome> = match &problem.statement {
+        Statement::Interval(s) => on_a_line(&s.on((*s.domain()).into()), options),
+        Statement::HalfLine(s) => on_a_line(&s.on((*s.domain()).into()), options),
+        Statement::Line(s) => on_a_line(&s.on((*s.domain()).into()), options),
+        Statement::System(s) => both(walks::on_a_line(s, options), deterministic::all(s, options)),
+        Statement::Disk(s) => in_a_plane(&s.on((*s.domain()).into()), options),
+        Statement::Box2(s) => in_a_plane(&s.on((*s.domain()).into()), options),
+        Statement::Box3(s) => both(walks::in_a_box(s, options), deterministic::all(s, options)),
+        Statement::Box8(s) => both(walks::in_a_box(s, options), deterministic::refused(options)),
+        Statement::Box64(s) => both(walks::in_a_box(s, options), deterministic::refused(options)),
         _ => Vec::new(),
     };
-    outcomes.extend(deterministic::all(&problem.statement, options));
     let line =
         |outcome| Line { file: name.into(), class: problem.class.clone().unwrap_or_else(|| "-".into()), digits: problem.digits, outcome };
     outcomes.into_iter().map(line).collect()

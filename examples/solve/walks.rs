@@ -2,6 +2,7 @@
 
 use crate::options::{Options, WalkMethod};
 use crate::report::{Comparison, Outcome};
+use crate::rules::{AnyEnding, AnyScoring};
 use fredholm::detector::{Detector, Points, Start};
 use fredholm::domain::Domain;
 use fredholm::formula::{KernelText, SourceText, Stated, TextFunctional};
@@ -12,7 +13,7 @@ use fredholm::kernel::{
 use fredholm::sampling::Sampler;
 use fredholm::source::{SampleSource, SourceFn, TabulatedSource};
 use fredholm::statistics::Verdict;
-use fredholm::walk::{Ending, Heuristic, Roulette, Scoring};
+use fredholm::walk::{Ending, FixedDepth, Heuristic, Mis, Roulette, Scoring};
 use fredholm::{Equation, Error, Estimate, Walk};
 use std::time::Instant;
 
@@ -57,7 +58,7 @@ pub(crate) fn on_a_line<D: Domain>(stated: &Stated<D>, options: &Options) -> Vec
         if method == WalkMethod::Subcritical {
             let eq = stated.equation().tabulated(CELLS)?;
             finite(squared(eq.kernel(), |x| eq.kernel().mass(x).min(1.0))?)?;
-            return runner.run(&eq.tabulated_source(CELLS)?, &Walk::subcritical());
+            return runner.run(&eq.tabulated_source(CELLS)?, &Walk::subcritical(), 0);
         }
         let (eq, spread) = table.as_ref().map_err(Clone::clone)?;
         runner.common(eq, *spread, method)
@@ -106,24 +107,32 @@ impl<D: Domain> Runner<'_, D> {
         G: SampleSource<Point = D::Point, Value = f64>,
         K: Kernel + TransitionPdf + Absorbing + HasDomain + Operator<Point = D::Point, Weight = f64>,
     {
-        if method == WalkMethod::FixedDepth {
-            return self.run(eq, &Walk::fixed_depth(depth(radius(eq.kernel())?, spread)?));
-        }
-        finite(spread)?;
-        let mis = |heuristic| Walk::mis().heuristic(heuristic);
-        match method {
-            WalkMethod::Roulette => self.run(eq, &Walk::collision().roulette(constant(spread)?)),
-            WalkMethod::Absorption => self.run(eq, &Walk::absorption().roulette(constant(spread)?)),
-            WalkMethod::NextEvent => self.run(eq, &Walk::next_event()),
-            WalkMethod::Mis => self.run(eq, &Walk::mis()),
-            WalkMethod::MisPower => self.run(eq, &mis(Heuristic::Power(2.0))),
-            WalkMethod::MisMaximum => self.run(eq, &mis(Heuristic::Maximum)),
-            WalkMethod::MisAverage => self.run(eq, &mis(Heuristic::Average)),
-            WalkMethod::Collision | WalkMethod::FixedDepth => self.run(eq, &Walk::collision()),
-            WalkMethod::Subcritical => {
-                Err(Refusal("subcritical walks need the row mass ∫|K|, which is measured on one-dimensional domains only".into()))
+        let depth = match method {
+            WalkMethod::FixedDepth => Some(depth(radius(eq.kernel())?, spread)?),
+            _ => {
+                finite(spread)?;
+                None
             }
-        }
+        };
+        let mis = |heuristic| AnyScoring::Mis(Mis(heuristic));
+        let scoring = match method {
+            WalkMethod::Collision | WalkMethod::Roulette | WalkMethod::FixedDepth => AnyScoring::Collision,
+            WalkMethod::Absorption => AnyScoring::Absorption,
+            WalkMethod::NextEvent => AnyScoring::NextEvent,
+            WalkMethod::Mis => mis(Heuristic::Balance),
+            WalkMethod::MisPower => mis(Heuristic::Power(2.0)),
+            WalkMethod::MisMaximum => mis(Heuristic::Maximum),
+            WalkMethod::MisAverage => mis(Heuristic::Average),
+            WalkMethod::Subcritical => {
+                return Err(Refusal("subcritical walks need the row mass ∫|K|, which is measured on one-dimensional domains only".into()));
+            }
+        };
+        let ending = match (method, depth) {
+            (_, Some(depth)) => AnyEnding::FixedDepth(FixedDepth(depth)),
+            (WalkMethod::Roulette | WalkMethod::Absorption, _) => AnyEnding::Roulette(constant(spread)?),
+            _ => AnyEnding::Roulette(Roulette::throughput(1.0)),
+        };
+        self.run(eq, &Walk::new(scoring, ending), scoring.evaluations())
     }
 
     /// As asked; else 4096, or fewer where walks are known to be long before the first is run.
@@ -136,8 +145,9 @@ impl<D: Domain> Runner<'_, D> {
         Ok(((STEPS / (cells * length)) as u64).clamp(FEWEST, MOST))
     }
 
-    /// The walk with the samples asked for; else with the default, and fourfold while the errors themselves are uncertain.
-    fn run<G, K, C, E>(&self, eq: &Equation<G, K>, walk: &Walk<C, E>) -> Found
+    /// The walk with the samples asked for; else with the default, and fourfold while the errors themselves are uncertain. Its scoring costs `evaluations` at
+    /// every vertex.
+    fn run<G, K, C, E>(&self, eq: &Equation<G, K>, walk: &Walk<C, E>, evaluations: u64) -> Found
     where
         G: SampleSource<Point = D::Point, Value = f64>,
         K: Transition + Operator<Point = D::Point, Weight = f64>,
@@ -148,7 +158,9 @@ impl<D: Domain> Runner<'_, D> {
         let most = if self.options.samples.is_some() { fewest } else { MORE * fewest };
         let mut samples = fewest;
         loop {
-            let found = self.once(eq, &walk.samples_per_cell(samples).seed(self.options.seed))?;
+            let mut found = self.once(eq, &walk.samples_per_cell(samples).seed(self.options.seed))?;
+            // as many vertices as steps and starts
+            found.iter_mut().for_each(|c| c.evaluations += evaluations * (c.evaluations + samples));
             if samples >= most || found.iter().all(|c| c.refusal.is_none()) {
                 return Ok(found);
             }

@@ -28,6 +28,10 @@ impl<D: Domain> fmt::Debug for KnownFunctional<D> {
 }
 
 impl<D: Domain> KnownFunctional<D> {
+    pub(super) fn on<E: Domain<Point = D::Point>>(&self, domain: E) -> KnownFunctional<E> {
+        KnownFunctional { label: self.label.clone(), value: self.value, domain, weight: self.weight.clone() }
+    }
+
     /// h(x).
     pub fn weight(&self, x: &D::Point) -> f64 {
         (self.weight)(x)

@@ -47,10 +47,6 @@ pub enum Statement {
     Box3(Stated<Cuboid<3>>),
     /// On a box of up to 8 dimensions; coordinates that the equation does not have run over [0, 1] and occur nowhere.
     Box8(Stated<Cuboid<8>>),
-    /// On a box of up to 16 dimensions.
-    Box16(Stated<Cuboid<16>>),
-    /// On a box of up to 32 dimensions.
-    Box32(Stated<Cuboid<32>>),
     /// On a box of up to 64 dimensions.
     Box64(Stated<Cuboid<64>>),
 }
@@ -90,8 +86,6 @@ impl Statement {
             Statement::Box2(s) => visitor.visit(s),
             Statement::Box3(s) => visitor.visit(s),
             Statement::Box8(s) => visitor.visit(s),
-            Statement::Box16(s) => visitor.visit(s),
-            Statement::Box32(s) => visitor.visit(s),
             Statement::Box64(s) => visitor.visit(s),
         }
     }
@@ -157,8 +151,6 @@ fn state(fields: &Fields) -> Result<(Statement, Vec<String>), Error> {
             0..=2 => with(boxed(fields, p, &sides)?, Statement::Box2),
             3 => with(boxed(fields, p, &sides)?, Statement::Box3),
             4..=8 => with(boxed(fields, p, &sides)?, Statement::Box8),
-            9..=16 => with(boxed(fields, p, &sides)?, Statement::Box16),
-            17..=32 => with(boxed(fields, p, &sides)?, Statement::Box32),
             _ => with(boxed(fields, p, &sides)?, Statement::Box64),
         },
     })

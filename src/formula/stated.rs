@@ -63,6 +63,18 @@ impl<D: Domain> Stated<D> {
         Equation::on_domain(self.domain.clone(), &*self.source, &*self.kernel)
     }
 
+    /// The same equation on `domain`, another description of Ω: one type for several domains, so that what is compiled for each is compiled once.
+    pub fn on<E: Domain<Point = D::Point>>(&self, domain: E) -> Stated<E> {
+        let known = |k: &Known<D::Point>| Known { point: k.point, label: k.label.clone(), value: k.value };
+        Stated {
+            points: self.points.iter().map(known).collect(),
+            functionals: self.functionals.iter().map(|f| f.on(domain.clone())).collect(),
+            domain,
+            source: self.source.clone(),
+            kernel: self.kernel.clone(),
+        }
+    }
+
     /// Ω.
     pub fn domain(&self) -> &D {
         &self.domain

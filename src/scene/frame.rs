@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 pub(crate) type Vec3 = Vector3<f64>;
 
 /// Right-handed orthonormal axes with n for z.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
     x: Vec3,
     y: Vec3,

@@ -82,7 +82,7 @@ impl Inner {
         match z.place {
             Place::Surface(primitive) => {
                 let facet = &self.facets[primitive as usize];
-                self.materials[facet.material as usize].radiance(self.texcoord(facet, &z.turned()))
+                self.materials[facet.material as usize].radiance(|| self.texcoord(facet, &z.turned()))
             }
             Place::Environment => self.environment.as_ref().map_or(Rgb::ZERO, |e| e.radiance(z.from)),
             Place::Light(light) => self.lights.punctual(light),
@@ -157,19 +157,20 @@ impl Inner {
     fn scattering_step<S: Sampler>(&self, z: &Photon, u: &mut S) -> Option<Step<Photon, Rgb>> {
         let (turned, Place::Surface(primitive)) = (z.turned(), z.place) else { return None };
         let local = self.local(&turned)?;
-        let ray = local.bsdf.scatter(&local.outgoing, u)?;
-        let direction = local.frame.to_world(&ray.incoming);
-        if ray.weight == Rgb::ZERO || ray.incoming.z * local.normal.dot(&direction) <= 0.0 {
+        let frame = Frame::around(local.smooth);
+        let incident = frame.to_local(&local.outgoing);
+        let ray = local.bsdf.scatter(&incident, u)?;
+        let direction = frame.to_world(&ray.incoming);
+        if ray.weight == Rgb::ZERO || !local.agree(&direction) {
             return None;
         }
         // eye walks choose the normal to shade with by ωₒ, this one by ωᵢ: where these differ, f(ωₒ, ωᵢ) = 0
         let smooth = self.facets[primitive as usize].detail != NONE;
-        if smooth && self.local(&z.seen(&direction)).is_none_or(|other| !other.shades_like(&local)) {
+        if smooth && self.local(&z.seen(&direction)).is_none_or(|other| other.smooth != local.smooth) {
             return None;
         }
-        let from = Vec3::from(z.from);
-        let across = local.outgoing.z * local.normal.dot(&direction) / (ray.incoming.z * local.normal.dot(&from));
-        let weight = ray.weight.scaled(across.abs() * local.bsdf.adjoint_factor(&local.outgoing, &ray.incoming));
+        let across = incident.z * local.normal.dot(&direction) / (ray.incoming.z * local.normal.dot(&local.outgoing));
+        let weight = ray.weight.scaled(across.abs() * local.bsdf.adjoint_factor(&incident, &ray.incoming));
         let next = self.fly(&self.surface(primitive, &turned).spawn(direction.into()), &direction)?;
         Some(if ray.pdf == f64::INFINITY { Step::singular(next, weight) } else { Step::regular(next, weight) })
     }

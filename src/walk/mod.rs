@@ -5,7 +5,8 @@
 //! - *What is scored*: [`Collision`], [`Absorption`], [`NextEvent`], [`Mis`].
 //!
 //! Named presets put them together: [`Walk::collision`], [`Walk::subcritical`], [`Walk::absorption`], [`Walk::next_event`], [`Walk::mis`],
-//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel.
+//! [`Walk::fixed_depth`]; every part can be exchanged. [`Forward`] goes the other way, from the source along the transposed kernel;
+//! [`Bidirectional`] joins both.
 
 mod array;
 mod backward;
@@ -27,7 +28,7 @@ pub use bidirectional::{Beyond, Bidirectional, Connect, Meet, Met, PairEstimator
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use estimator::WalkEstimator;
-pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTrace, Seen};
+pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTally, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
 pub use profile::{Basis, Expansion, Histogram, KernelTally, Plan, PlanOf, Profiling, Smoothed, SmoothingKernels, Tally};

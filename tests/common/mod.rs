@@ -36,12 +36,14 @@ const REGISTERED: &[(&str, u32)] = &[
     ("sampling::planes", 12),
     ("sampling::indices", 2),
     ("sampling::coverage", 14),
+    ("sampling::slopes", 8),
+    ("sampling::rooks", 1),
     ("integral::lectures", 6),
     ("integral::square", 2),
     ("integral::ties", 1),
     ("integral::blind", 4),
     ("integral::control", 3),
-    ("integral::domains", 5),
+    ("integral::domains", 7),
     ("integral::study", 2),
     ("integral::variances", 36),
     ("integral::optimal", 2),
@@ -50,7 +52,9 @@ const REGISTERED: &[(&str, u32)] = &[
     ("integral::coverage", 5),
     ("integral::sequences", 48),
     ("integral::rooks", 4),
-    ("integral::net slopes", 6),
+    ("integral::net slopes", 7),
+    ("integral::disk", 4),
+    ("integral::array slopes", 4),
     ("integral::replicates", 6),
     ("integral::array", 20),
     ("integral::array coverage", 2),
@@ -59,9 +63,31 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::debias", 8),
     ("bidirectional::metropolis", 16),
     ("bidirectional::metropolis coverage", 3),
+    ("bidirectional::forward", 8),
     ("bidirectional::strategies", 30),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
+    ("forward::line", 256),
+    ("forward::leakage", 4),
+    ("forward::bins", 5),
+    ("forward::matrices", 8),
+    ("forward::complex", 2),
+    ("forward::cut", 2),
+    ("forward::variance", 2),
+    ("forward::cube", 1),
+    ("forward::systems", 2),
+    ("forward::adjoint", 2),
+    ("forward::bands", 4),
+    ("forward::points", 20),
+    ("forward::slab", 3),
+    ("forward::smoothing", 6),
+    ("forward::expansion", 4),
+    ("scene::materials", 16),
+    ("scene::furnaces", 54),
+    ("scene::plates", 2),
+    ("scene::cornell", 2),
+    ("scene::hard", 4),
+    ("scene::radiosity", 3),
 ];
 
 /// The share of one test.
@@ -113,6 +139,11 @@ impl Budget {
             return Err(format!("{what}: biased: {mean} ± {error:.2e} against {truth} (z = {:.2}, p = {p:.1e})", (mean - truth) / error));
         }
         Ok(())
+    }
+
+    /// One-sided: is the truth at most `bound`? What is measured below it is no deviation.
+    pub fn at_most(&mut self, what: &str, (value, error, freedom): (f64, f64, f64), bound: f64, margin: f64) -> Result<(), String> {
+        self.mean(what, (value.max(bound), error, freedom), bound, margin)
     }
 
     /// Whether `hits` of `trials` are compatible with a probability in [`low`, `high`] (exact binomial).
@@ -167,6 +198,23 @@ impl Drop for Budget {
 pub fn all_pass(results: impl IntoIterator<Item = Result<(), String>>) {
     let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
     assert!(failures.is_empty(), "{} failed:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// The slope of ln(root mean square) against ln n and its standard error, from the errors of independent repetitions at every n: Var ln rms = (κ − 1)/4R,
+/// κ the kurtosis of the errors.
+pub fn slope(sizes: &[(f64, Vec<f64>)]) -> (f64, f64, f64) {
+    let mean = sizes.iter().map(|s| s.0.ln()).sum::<f64>() / sizes.len() as f64;
+    let spread: f64 = sizes.iter().map(|s| (s.0.ln() - mean).powi(2)).sum();
+    let (mut slope, mut variance) = (0.0, 0.0);
+    for (n, errors) in sizes {
+        let moment = |k: i32| errors.iter().map(|e| e.powi(k)).sum::<f64>() / errors.len() as f64;
+        let leverage = (n.ln() - mean) / spread;
+        slope += leverage * 0.5 * moment(2).ln();
+        // a kurtosis of few repetitions is too small rather than too large: at least the normal one
+        let kurtosis = (moment(4) / moment(2).powi(2)).max(3.0);
+        variance += leverage * leverage * (kurtosis - 1.0) / (4.0 * errors.len() as f64);
+    }
+    (slope, variance.sqrt(), 1e6)
 }
 
 /// P(|t| ≥ `t`).
@@ -227,6 +275,11 @@ impl Reference {
     pub fn functional(&self, h: &str) -> f64 {
         let list = self.0["functionals"].as_array().unwrap();
         number(&list.iter().find(|f| f["h"] == h).unwrap_or_else(|| panic!("no functional {h}"))["value"])
+    }
+
+    /// Whether there is one.
+    pub fn has_functional(&self, h: &str) -> bool {
+        self.0["functionals"].as_array().is_some_and(|list| list.iter().any(|f| f["h"] == h))
     }
 
     fn points(&self) -> &Vec<serde_json::Value> {

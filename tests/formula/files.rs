@@ -140,7 +140,7 @@ fn kernels_elsewhere_are_those_of_their_formulas() {
     let Statement::Box2(s) = &p.statement else { panic!() };
     assert!(close(s.kernel(&[0.1, 0.9], &[0.4, 0.3]), 0.8 / (1.0 + 0.09 + 0.36)));
     let p = read("highd-10-separable-manufactured");
-    let Statement::Box16(s) = &p.statement else { panic!() };
+    let Statement::Box64(s) = &p.statement else { panic!() };
     let (x, y) = (std::array::from_fn(|i| 0.05 * i as f64), std::array::from_fn(|i| 1.0 - 0.06 * i as f64));
     let dot: f64 = (0..10).map(|i| x[i] * y[i]).sum();
     assert!(close(s.kernel(&x, &y), 0.03 * dot.exp()), "coordinates beyond the tenth must not matter");

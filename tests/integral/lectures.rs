@@ -2,7 +2,7 @@
 
 use crate::common::{Budget, all_pass};
 use crate::stated;
-use fredholm::domain::{Cuboid, HalfLine};
+use fredholm::domain::{Cuboid, Disk, HalfLine, Line};
 use fredholm::integral::{Coefficient, Combined, Control, Density, Gauss, Integral, Plain, Secondary, Strata, Stratified, inverse, warp};
 use fredholm::sampling::{Pcg, Sampler, Sequence};
 use fredholm::statistics::{Moments, Study, Verdict};
@@ -77,7 +77,14 @@ fn certain_and_unknown_are_not_the_same() {
         [spike.solve(&Secondary::plain().samples(1000)).unwrap(), spike.solve(&Stratified::new(Strata::uniform(8)).samples(1000)).unwrap()]
     {
         assert_eq!((e.value, e.verdict()), (0.0, Verdict::NothingScored));
+        // neither printed nor counted as certain
+        assert_eq!((e.to_string().as_str(), e.half_width(0.95), e.interval(0.5)), ("0(?)", None, None));
     }
+    let study = Study::run(1.0, 10, |seed| spike.solve(&Secondary::plain().samples(1000).seed(seed))).unwrap();
+    assert_eq!((study.coverage(0.95).trials, study.coverage(0.95).unknown), (0, 10));
+    // no error, no verdict about it
+    let textbook = half.solve(&Secondary::plain().sequence(fredholm::sampling::Sobol::new(0).unscrambled())).unwrap();
+    assert_eq!((textbook.verdict(), textbook.to_string().as_str()), (Verdict::Unmeasured, "0.5(?)"));
 }
 
 /// theory (2.2.1): n times the samples, a variance n times less, a standard error √n times less.
@@ -211,6 +218,11 @@ fn every_domain_can_be_integrated_over() {
     (0..2).for_each(|i| results.push(budget.mean("half line", stated(&e.component(i)), 1.0, 0.05)));
     let exact = half_line.solve(&Secondary::importance(inverse(|u: f64| -(-u).ln_1p(), |x: &f64| (-x).exp()))).unwrap();
     assert!((exact.value[0] - 1.0).abs() < 1e-15 && exact.std_error.unwrap()[0] < 1e-17);
+    let disk = Integral::on(Disk::new([1.0, 0.0], 2.0), |x: &[f64; 2]| x[0] * x[0]);
+    // ∫r² dA/2 + the centre's square: π R⁴/4 + π R²
+    results.push(budget.mean("disk by its map", stated(&disk.solve(&Secondary::plain().samples(N)).unwrap()), 8.0 * PI, 1.2));
+    let line = Integral::on(Line::new(), |x: &f64| (-x * x).exp());
+    results.push(budget.mean("line", stated(&line.solve(&Secondary::plain().samples(N)).unwrap()), PI.sqrt(), 0.1));
     // the disk, as an importance density in the square: points outside the domain would score 0
     let disk = warp(
         |[u, v]: [f64; 2]| [u.sqrt() * (2.0 * PI * v).cos(), u.sqrt() * (2.0 * PI * v).sin()],

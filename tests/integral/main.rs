@@ -1,5 +1,7 @@
 //! Plain integrals: lecture problems and slips, variance laws, rates, coverage, refusals; Array-RQMC.
 
+#[path = "../sampling/any.rs"]
+mod any;
 #[path = "../common/mod.rs"]
 mod common;
 

@@ -41,6 +41,12 @@ fn parameters_out_of_range() {
     }
     invalid(i.solve(&Stratified::new(Strata::grid(2, 0))), "strata");
     invalid(i.solve(&Stratified::new(Strata::uniform(100_000).times(Strata::uniform(100_000)))), "strata");
+    for absurd in [Strata::uniform(usize::MAX), Strata::grid(usize::MAX, 3), Strata::grid(2, usize::MAX), Strata::grid(1 << 40, 40)] {
+        assert_eq!(absurd.count(), usize::MAX);
+        invalid(i.solve(&Stratified::jittered(absurd, u32::MAX)), "strata");
+    }
+    assert!(i.solve(&Stratified::new(Strata::grid(1, usize::MAX))).unwrap().agrees_with(1f64.exp() - 1.0, 6.0));
+    invalid(Strata::adapted(&i, usize::MAX), "strata");
     invalid(i.solve(&Stratified::new(Strata::uniform(4)).samples(0)), "samples");
     invalid(i.solve(&Stratified::new(Strata::uniform(4)).replicates(0)), "replicates");
     invalid(i.solve(&Stratified::new(Strata::uniform(4)).allocation(Allocation::Neyman { pilot: 1 })), "pilot samples a stratum");
@@ -53,6 +59,9 @@ fn parameters_out_of_range() {
     invalid(Strata::adapted(&Integral::on(Cuboid::<2>::unit(), |x| x[0]), 4), "dimension");
     invalid(i.tabulated(0), "cells");
     invalid(i.predict(&Stratified::new(Strata::grid(2, 2)), &Gauss::legendre(1, 4)), "axes of strata");
+    // mass outside the domain, where the mixture of optimal weights is not 0
+    let wide = Combined::optimal(16).technique(uniform(), 1).technique(inverse(|u: f64| 2.0 * u, |_: &f64| 0.5), 1);
+    invalid(i.predict(&Secondary::combined(wide), &Gauss::legendre(4, 8)), "mass of a technique outside the domain");
     let run = |_| i.solve(&Secondary::plain());
     invalid(Study::run(1.0, 1, run), "repetitions");
     invalid(Study::run(f64::NAN, 5, run), "truth");

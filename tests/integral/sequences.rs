@@ -1,5 +1,6 @@
 //! Every sequence in every estimator; variance laws, slopes and coverage of replicates of low-discrepancy points.
 
+use crate::any::{Any, randomised};
 use crate::common::{Budget, all_pass};
 use crate::rates::slope;
 use crate::stated;
@@ -8,7 +9,7 @@ use fredholm::integral::{
     Allocation, Coefficient, Combined, Control, Gauss, Integral, Integrator, Plain, Primary, Roulette, Secondary, Strata, inverse,
 };
 use fredholm::sampling::distribution::{Exponential, Power};
-use fredholm::sampling::{Halton, Hammersley, LatinHypercube, Pcg, Sequence, Sobol, Stratified, VanDerCorput};
+use fredholm::sampling::{Halton, Hammersley, LatinHypercube, Pcg, Sequence, Sobol, Stratified};
 use fredholm::source::Source;
 use fredholm::statistics::{Study, Sweep};
 use fredholm::walk::Heuristic;
@@ -22,7 +23,7 @@ fn rule() -> Gauss {
 }
 
 /// All estimators with one sequence; each must be right, and none may find less than it says.
-fn every_estimator<Q: Sequence>(name: &str, sequence: Q, budget: &mut Budget) -> Vec<Result<(), String>> {
+fn every_estimator(name: &str, sequence: Any, budget: &mut Budget) -> Vec<Result<(), String>> {
     let integral = Integral::on_interval(0.0..=1.0, f64::exp);
     let line = || inverse(|u: f64| u.sqrt(), |x: &f64| 2.0 * x);
     let uniform = || inverse(|u: f64| u, |_: &f64| 1.0);
@@ -52,14 +53,10 @@ fn every_estimator<Q: Sequence>(name: &str, sequence: Q, budget: &mut Budget) ->
 #[test]
 fn every_sequence_serves_every_estimator() {
     let mut budget = Budget::of("integral::sequences");
-    let mut results = every_estimator("PCG", Pcg::new(5), &mut budget);
-    results.extend(every_estimator("jittered", Stratified::new(16, 2).unwrap(), &mut budget));
-    results.extend(every_estimator("Latin hypercube", LatinHypercube::new(256).unwrap(), &mut budget));
-    results.extend(every_estimator("Halton", Halton::new(5), &mut budget));
-    results.extend(every_estimator("Hammersley", Hammersley::new(256).unwrap(), &mut budget));
-    results.extend(every_estimator("Sobol'", Sobol::new(5), &mut budget));
-    results.extend(every_estimator("Van der Corput, base 2", VanDerCorput::new(2).unwrap(), &mut budget));
-    results.extend(every_estimator("Van der Corput, base 3", VanDerCorput::new(3).unwrap(), &mut budget));
+    let mut results = every_estimator("PCG", Any::Pcg(Pcg::new(5)), &mut budget);
+    for (name, sequence) in randomised(16) {
+        results.extend(every_estimator(name, sequence.with_seed(5), &mut budget));
+    }
     all_pass(results);
 }
 
@@ -110,27 +107,30 @@ fn low_discrepancy_has_its_slopes() {
     let truth = square.solve(&rule()).unwrap();
     let plain = Secondary::plain;
     type Solve<'a> = &'a (dyn Fn(u64, u64) -> Result<Estimate, Error> + Sync);
-    let rows: [(&str, f64, f64, Solve<'_>); 6] = [
-        ("Sobol', line", E - 1.0, -1.5, &|n, s| line.solve(&plain().samples(n).sequence(Sobol::new(s).replicates(1)))),
-        ("jittered, line", E - 1.0, -1.5, &|n, s| line.solve(&plain().samples(n).sequence(Stratified::new(n, 1)?.replicates(1)).seed(s))),
-        ("Halton", truth, -1.0, &|n, s| square.solve(&plain().samples(n).sequence(Halton::new(s).replicates(1)))),
-        ("Hammersley", truth, -1.0, &|n, s| square.solve(&plain().samples(n).sequence(Hammersley::new(n)?.replicates(1)).seed(s))),
-        ("jittered, plane", truth, -1.0, &|n, s| {
+    let rows: [(&str, f64, Option<f64>, Solve<'_>); 6] = [
+        ("Sobol', line", E - 1.0, Some(-1.5), &|n, s| line.solve(&plain().samples(n).sequence(Sobol::new(s).replicates(1)))),
+        ("jittered, line", E - 1.0, Some(-1.5), &|n, s| {
+            line.solve(&plain().samples(n).sequence(Stratified::new(n, 1)?.replicates(1)).seed(s))
+        }),
+        ("Halton", truth, None, &|n, s| square.solve(&plain().samples(n).sequence(Halton::new(s).replicates(1)))),
+        ("Hammersley", truth, None, &|n, s| square.solve(&plain().samples(n).sequence(Hammersley::new(n)?.replicates(1)).seed(s))),
+        ("jittered, plane", truth, Some(-1.0), &|n, s| {
             square.solve(&plain().samples(n).sequence(Stratified::new(n.isqrt(), 2)?.replicates(1)).seed(s))
         }),
-        ("PCG", truth, -0.5, &|n, s| square.solve(&plain().samples(n).sequence(Pcg::new(s)))),
+        ("PCG", truth, Some(-0.5), &|n, s| square.solve(&plain().samples(n).sequence(Pcg::new(s)))),
     ];
     for (name, truth, expected, solve) in rows {
         let (s, error, freedom) = slope(&Sweep::run(truth, &sizes, R, solve).unwrap(), R);
-        // scrambled Halton's slope has logarithms in it; ±0.06 is what they may do over these sizes
-        let logarithms = if expected == -1.0 { ((s - expected).abs() - 0.06).max(0.0) } else { (s - expected).abs() };
-        budget.mean(name, (expected + logarithms, error, freedom), expected, 0.2).unwrap();
+        match expected {
+            // logarithms, of which theory says no more than that they slow down
+            None => budget.at_most(name, (s, error, freedom), -0.94, 0.2).unwrap(),
+            Some(expected) => budget.mean(name, (s, error, freedom), expected, 0.2).unwrap(),
+        }
     }
     // logarithms again: the slope nears −3/2 from above
     let sizes: Vec<u64> = (5..=13).map(|k| 1 << k).collect();
     let sobol = Sweep::run(truth, &sizes, R, |n, s| square.solve(&plain().samples(n).sequence(Sobol::new(s).replicates(1)))).unwrap();
-    let (s, error, _) = slope(&sobol, R);
-    assert!(s <= -1.4 && s + 6.0 * error < -1.3, "Sobol' in the plane: {s} ± {error}");
+    budget.at_most("Sobol', plane", slope(&sobol, R), -1.4, 0.1).unwrap();
 }
 
 /// 95 % intervals from replicates, for a smooth and for a jumping integrand.

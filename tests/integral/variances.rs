@@ -2,7 +2,7 @@
 
 use crate::common::{Budget, all_pass};
 use crate::{measured, study};
-use fredholm::domain::Cuboid;
+use fredholm::domain::{Cuboid, Disk};
 use fredholm::integral::{
     Allocation, Coefficient, Combined, Control, Gauss, Importance, Integral, Integrator, Plain, Predictable, Roulette, Secondary, Strata,
     Stratified, inverse,
@@ -175,6 +175,38 @@ fn neyman_from_a_pilot() {
     let c = s.coverage(0.95);
     budget.frequency("coverage", c.hits, c.trials, 0.92, 0.97).unwrap();
     assert!(s.runs()[0].evaluations >= 900);
+}
+
+/// A pilot that sees no spread says nothing about where to spend the budget: it is spent in proportion, not dropped.
+#[test]
+fn a_pilot_without_spread_drops_no_budget() {
+    // a spike that a pilot of two scores in each of ten strata misses
+    let spike = Integral::on_interval(0.0..=1.0, |x: f64| if (0.35..0.351).contains(&x) { 1000.0 } else { 0.0 });
+    let method = Stratified::new(Strata::uniform(10)).allocation(Allocation::Neyman { pilot: 2 }).samples(100_000);
+    let e = spike.solve(&method).unwrap();
+    assert!(e.samples() == 100_000 && e.agrees_with(1.0, 6.0) && e.std_error.unwrap() > 0.0, "{e:?}");
+    let constant = Integral::on_interval(0.0..=2.0, |_| 0.25).solve(&method).unwrap();
+    assert!(constant.samples() == 100_000 && constant.value == 0.5 && constant.std_error.unwrap() < 1e-20, "{constant:?}");
+}
+
+/// Strata live in the cube that the points are made of, which on a disk is not that of its quadrature.
+#[test]
+fn variances_on_a_disk() {
+    let mut budget = Budget::of("integral::disk");
+    let disk = Integral::on(Disk::unit(), |x: &[f64; 2]| (x[0] + 2.0 * x[1]).exp());
+    let rule = Gauss::legendre(8, 8);
+    let truth = disk.solve(&rule).unwrap();
+    let mut results = Vec::new();
+    let mut check = |what: &str, predicted: f64, solve: &(dyn Fn(u64) -> Estimate + Sync)| {
+        let s = study(truth, REPETITIONS, solve);
+        results.push(budget.mean(&format!("{what}: value"), measured(s.bias()), 0.0, 0.15 * predicted.sqrt()));
+        results.push(budget.mean(&format!("{what}: variance"), measured(s.variance()), predicted, 0.35 * predicted));
+    };
+    let strata = |seed| Stratified::new(Strata::grid(4, 2)).samples(64).seed(seed);
+    check("strata", disk.predict(&strata(0), &rule).unwrap(), &|seed| disk.solve(&strata(seed)).unwrap());
+    let plain = |seed| Secondary::plain().samples(64).seed(seed);
+    check("plain", disk.predict(&plain(0), &rule).unwrap(), &|seed| disk.solve(&plain(seed)).unwrap());
+    all_pass(results);
 }
 
 /// Strata in the cube of an importance density are strata of equal probability: both gains multiply.

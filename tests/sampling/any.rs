@@ -76,6 +76,7 @@ pub(crate) fn randomised(m: u64) -> Vec<(&'static str, Any)> {
     ]
 }
 
+#[allow(dead_code, reason = "each test directory uses its part")]
 /// The first `d` coordinates of points 0 … n−1 of one randomisation.
 pub(crate) fn points(sequence: Any, replicate: u32, n: u64, d: usize) -> Vec<Vec<f64>> {
     sequence.points(0, replicate, 0..n).map(|mut u| (0..d).map(|_| u.next_1d()).collect()).collect()

@@ -1,9 +1,9 @@
 //! The law of the randomisations: every coordinate uniform, pairs of points as Owen's nested uniform scrambling has them, coordinates
 //! independent.
 
-use crate::any::randomised;
+use crate::any::{Any, randomised};
 use crate::common::{Budget, all_pass};
-use fredholm::sampling::{Halton, Purpose, Sampler, Sequence, Sobol, VanDerCorput};
+use fredholm::sampling::{Halton, Pcg, Purpose, Sampler, Sequence, Sobol, VanDerCorput};
 
 fn nth_number(u: &mut impl Sampler, n: usize) -> f64 {
     (0..n).for_each(|_| _ = u.next_1d());
@@ -111,4 +111,41 @@ fn coordinates_are_independent() {
         }
     }
     all_pass(results);
+}
+
+/// Randomised points are part of the results' bits: two fresh numbers, two of a move, one beyond the coordinates, in units of 2⁻⁵³.
+#[test]
+fn golden_numbers() {
+    let golden: [(&str, [u64; 5]); 8] = [
+        ("PCG", [2_009_716_109_990_635, 8_614_672_167_499_489, 2_228_572_822_676_631, 797_436_720_825_951, 1_276_306_450_371_785]),
+        ("Sobol'", [8_596_089_330_132_571, 3_575_446_148_579_867, 1_116_956_565_859_061, 2_597_896_437_281_653, 7_411_569_137_803_467]),
+        ("Halton", [260_086_626_893_171, 8_265_443_474_405_843, 7_136_993_509_602_591, 2_150_153_736_611_547, 7_411_569_137_803_467]),
+        ("Hammersley", [1_407_181_605_864_375, 6_341_709_082_798_543, 4_827_231_145_898_679, 3_084_263_246_752_185, 5_319_106_025_425_255]),
+        (
+            "van der Corput 2",
+            [6_049_014_027_191_653, 3_555_662_042_594_269, 6_525_264_125_072_453, 6_463_471_492_274_417, 7_411_569_137_803_467],
+        ),
+        (
+            "van der Corput 10",
+            [5_733_762_053_275_717, 3_555_662_042_594_269, 6_525_264_125_072_453, 6_463_471_492_274_417, 7_411_569_137_803_467],
+        ),
+        (
+            "Latin hypercube",
+            [7_847_556_150_229_177, 5_198_509_454_687_519, 6_412_367_239_611_585, 5_109_978_434_751_751, 2_490_458_640_141_473],
+        ),
+        ("stratified", [4_368_626_836_693_733, 7_644_314_951_704_311, 7_635_070_448_964_351, 5_376_775_571_996_091, 954_635_305_824_897]),
+    ];
+    let all = [("PCG", Any::Pcg(Pcg::new(0)))].into_iter().chain(randomised(4));
+    let found: Vec<(&str, [u64; 5])> = all
+        .map(|(name, sequence)| {
+            let mut u = sequence.with_seed(2026).point(3, 2, 11);
+            let mut read = |place: Option<(u64, Purpose)>| {
+                place.into_iter().for_each(|(vertex, purpose)| u.seek(vertex, purpose));
+                (u.next_1d() * 2f64.powi(53)) as u64
+            };
+            let step = Some((5, Purpose::Move));
+            (name, [read(None), read(None), read(step), read(None), read(Some((900, Purpose::Event)))])
+        })
+        .collect();
+    assert_eq!(found, golden);
 }

@@ -147,6 +147,26 @@ fn halton_blocks_fill_their_boxes() {
     }
 }
 
+/// Randomised, the points of a Hammersley set come in a random order: the first tenth of a set is no arc, and the rank says nothing about the coordinate.
+#[test]
+fn hammersley_sets_come_in_a_random_order() {
+    let n = 1000u64;
+    for seed in 0..20 {
+        let set = points(Any::Hammersley(Hammersley::new(n).unwrap().with_seed(seed)), 0, n, 1);
+        let first: Vec<f64> = set.iter().take(100).map(|p| p[0]).collect();
+        let thirds = first.iter().fold([0; 3], |mut t, x| {
+            t[(3.0 * x) as usize] += 1;
+            t
+        });
+        // hypergeometric: 33 ± 4.5 in each third
+        assert!(thirds.iter().all(|t| (5..=65).contains(t)), "{thirds:?}");
+        let correlation = set.iter().zip(0..).map(|(p, i)| (p[0] - 0.5) * (f64::from(i) / n as f64 - 0.5)).sum::<f64>() * 12.0 / n as f64;
+        assert!(correlation.abs() < 0.25, "{correlation}");
+        // the set is the same as ever: one point in each stratum
+        assert_eq!(occupied(&set, &[n]).len() as u64, n);
+    }
+}
+
 /// One point in every cell of every group of coordinates, at every vertex, in every set of n points.
 #[test]
 fn strata_hold_one_point_each() {
@@ -249,4 +269,8 @@ fn bad_settings_are_refused() {
     assert!(Stratified::new(0, 2).is_err() && Stratified::new(2, 0).is_err() && Stratified::new(u64::MAX, 3).is_err());
     assert!(VanDerCorput::new(0).is_err() && VanDerCorput::new(1).is_err() && Hammersley::new(0).is_err());
     assert!(fredholm::sampling::LatinHypercube::new(0).is_err());
+    for (dimension, points) in [(1, u64::MAX), (usize::MAX, 2), (usize::MAX, u64::MAX), (1 << 16, 1 << 16)] {
+        let refusal = fredholm::sampling::PointSet::draw(&Pcg::new(0), dimension, points).unwrap_err().to_string();
+        assert!(refusal.contains("number of coordinates"), "{refusal}");
+    }
 }

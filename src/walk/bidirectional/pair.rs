@@ -4,7 +4,7 @@
 //! C_{s,t} = α^E_t K(x_{t−1}, x_t) α^L_s  (s, t ≥ 1),      C_{0,t} = α^E_t g(x_{t−1}),      C_{s,0} = h(x_0) α^L_s            theory (4.7.4)
 //! ```
 
-use super::path::{Carried, Fault, Matrix, Vertex, survival_at, walk};
+use super::path::{Fault, Matrix, Vertex, survival_at, walk};
 use super::weights::{Side, accumulate, weight};
 use super::{Beyond, Connect, Meet, Met, Strategies};
 use crate::equation::Equation;
@@ -15,6 +15,7 @@ use crate::sampling::{Purpose, Sampler};
 use crate::source::{EmitPdf, Source};
 use crate::value::{Value, Weight};
 use crate::walk::driver::Driver;
+use crate::walk::forward::Carried;
 use crate::walk::{Ending, Heuristic};
 
 /// The contribution of one strategy to one pair of walks.
@@ -90,7 +91,7 @@ where
         // nothing else reads the first vertex's next event
         u.seek(0, Purpose::Event);
         let birth = self.equation.source().emit(u);
-        let load = Carried { value: birth.weight, start: birth.weight.magnitude() };
+        let load = Carried { value: birth.weight, birth: birth.weight.magnitude() };
         let pdf = self.equation.source().emit_pdf(&birth.point);
         let driver = Driver { kernel: &self.adjoint, ending: &self.endings.1, max_steps: self.max_steps };
         let (forth, other) = walk(&driver, (birth.point, load, pdf), (u, 1), light, ranks);
@@ -279,10 +280,7 @@ where
         each: impl FnMut(Joined<G::Value>),
     ) -> Result<Cost, Fault> {
         let (steps, fault) = self.walk(cell, u, memory);
-        match fault {
-            Some(fault) => Err(fault),
-            None => Ok(Cost { steps, joins: self.joined(cell, u, memory, each) }),
-        }
+        fault.map_or_else(|| Ok(Cost { steps, joins: self.joined(cell, u, memory, each) }), Err)
     }
 }
 

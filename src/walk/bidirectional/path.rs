@@ -2,8 +2,9 @@
 
 use crate::kernel::{Density, TransitionPdf};
 use crate::sampling::{Purpose, Sampler};
-use crate::value::{Value, Weight};
+use crate::value::Weight;
 use crate::walk::driver::{At, Driver, End, Errand, Lane};
+use crate::walk::forward::Carried;
 use crate::walk::{Arrival, Ending, Observer, Visit};
 
 /// A vertex, with what multiple importance sampling needs of it.
@@ -55,32 +56,22 @@ impl<W: Weight> Burden<W> for Matrix<W> {
     }
     #[inline]
     fn size(&self) -> f64 {
-        relative(self.weight.norm(), self.start)
+        let here = self.weight.norm();
+        // 0/0: a walk of weight 0 is worth nothing
+        if here == 0.0 { 0.0 } else { here / self.start }
     }
 }
 
-/// A value, forward: K(x, z)ᵀ is the adjoint's weight.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Carried<V> {
-    pub(super) value: V,
-    pub(super) start: f64,
-}
-
+/// A value, forward.
 impl<W: Weight> Burden<W> for Carried<W::Value> {
     #[inline]
     fn carry(&self, reciprocal: f64, step: W) -> Self {
-        Carried { value: step.transposed().apply(self.value.scale(reciprocal)), ..*self }
+        Carried::carry(self, reciprocal, step)
     }
     #[inline]
     fn size(&self) -> f64 {
-        relative(self.value.magnitude(), self.start)
+        self.relative()
     }
-}
-
-#[inline]
-fn relative(here: f64, start: f64) -> f64 {
-    // 0/0: a walk of weight 0 is worth nothing
-    if here == 0.0 { 0.0 } else { here / start }
 }
 
 /// P at a place, 1 where it depends on more: weights of techniques may be functions of the path alone, and need not be more than that.

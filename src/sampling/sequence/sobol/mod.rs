@@ -17,6 +17,8 @@
 //! time) give sequential points only, `sobol_burley` 24 bits, 2¹⁶ points, 256 dimensions. The table is joe_kuo.txt, under the licence of
 //! its authors.
 
+mod block;
+
 use super::cursor::{Coordinates, PointSampler};
 use super::settings::{Scrambling, Settings, common_settings};
 use crate::sampling::hash::{folded, open_unit, word};
@@ -83,28 +85,7 @@ impl Sequence for Sobol {
                 point.iter_mut().for_each(|x| *x = u.next_1d());
             });
         };
-        let scrambles: Vec<Scramble> = (0..dimension as u64).map(|j| Scramble::new(folded(key, j))).collect();
-        let mut columns: Vec<_> = table.iter().zip(scrambles).map(|(matrix, scramble)| (0, &matrix[0], scramble)).collect();
-        let mut first = indices.start;
-        while first < indices.end {
-            // points of a block differ in the lowest digit alone
-            let last = (indices.end - 1).min(first | (BLOCK - 1));
-            for ((high, ..), matrix) in columns.iter_mut().zip(table) {
-                *high = row(&matrix[1..], first / BLOCK);
-            }
-            let from = (first - indices.start) as usize * dimension;
-            for (i, point) in (first..=last).zip(out[from..].chunks_exact_mut(dimension)) {
-                let sums = columns.iter().map(|(high, low, scramble)| (high ^ low[(i % BLOCK) as usize], scramble));
-                match self.settings.scrambling {
-                    Scrambling::Nested => point.iter_mut().zip(sums).for_each(|(x, (y, scramble))| *x = unmirrored(scramble.apply(y))),
-                    Scrambling::None => point.iter_mut().zip(sums).for_each(|(x, (y, _))| *x = unmirrored(y)),
-                }
-            }
-            match last.checked_add(1) {
-                Some(next) => first = next,
-                None => break,
-            }
-        }
+        block::fill(table, self.settings.scrambling, key, indices, out);
     }
 
     fn with_seed(self, seed: u64) -> Self {
@@ -192,9 +173,13 @@ impl Scramble {
     #[inline]
     fn apply(self, y: u64) -> u64 {
         let y = y.wrapping_add(self.s).wrapping_mul(self.m);
-        (y ^ y.wrapping_mul(0x6c50_b47c_b3b1_d5e4)).wrapping_mul(0x8ebc_6af0_9c88_c6e3)
+        (y ^ y.wrapping_mul(C1)).wrapping_mul(C2)
     }
 }
+
+/// c₁ and c₂ of h.
+const C1: u64 = 0x6c50_b47c_b3b1_d5e4;
+const C2: u64 = 0x8ebc_6af0_9c88_c6e3;
 
 /// Values of a digit of the index: of 32 coordinates, the tables in use fit the first cache.
 const BLOCK: u64 = 32;
@@ -205,7 +190,7 @@ type Matrix = [[u64; BLOCK as usize]; 13];
 
 /// A constant: 3.7 MB, made of joe_kuo.txt at the first use.
 static TABLE: LazyLock<Vec<Matrix>> = LazyLock::new(|| {
-    let lines = include_str!("joe_kuo.txt").lines().filter(|l| !l.starts_with('#'));
+    let lines = include_str!("../joe_kuo.txt").lines().filter(|l| !l.starts_with('#'));
     // the first coordinate is van der Corput's: x is the index mirrored
     let first = sums(&std::array::from_fn(|k| 1 << k));
     std::iter::once(first).chain(lines.map(|line| sums(&directions(line)))).collect()
