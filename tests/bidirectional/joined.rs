@@ -94,7 +94,7 @@ fn problems_of_the_zoo() {
     ];
     for (name, eq) in rows {
         let values = Reference::load(name).scalar();
-        let margin = 0.03 * values.iter().fold(0.0, |m: f64, v| m.max(v.1.abs()));
+        let margin = 0.04 * values.iter().fold(0.0, |m: f64, v| m.max(v.1.abs()));
         let table = eq.clone().tabulated(16).unwrap();
         for (i, heuristic) in HEURISTICS.into_iter().enumerate() {
             let (x, f) = values[(2 * i + 1) % values.len()];
