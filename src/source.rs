@@ -199,12 +199,11 @@ where
 }
 
 /// Births by the domain's own density.
-impl<D, F, V, Q> Emit for SourceFn<D, F, V, Q>
+impl<D, F, V> Emit for SourceFn<D, F, V, Uniform<D>>
 where
     D: Domain,
     V: Value,
     F: Fn(&D::Point) -> V + Send + Sync,
-    Q: Send + Sync,
 {
     type State = D::Point;
     #[inline]
@@ -214,16 +213,42 @@ where
     }
 }
 
-impl<D, F, V, Q> EmitPdf for SourceFn<D, F, V, Q>
+impl<D, F, V> EmitPdf for SourceFn<D, F, V, Uniform<D>>
 where
     D: Domain,
     V: Value,
     F: Fn(&D::Point) -> V + Send + Sync,
-    Q: Send + Sync,
 {
     #[inline]
     fn emit_pdf(&self, z: &D::Point) -> f64 {
         self.domain.density(z)
+    }
+}
+
+/// Births by the table.
+impl<D, F, V> Emit for SourceFn<D, F, V, TabulatedSource<D>>
+where
+    D: Domain,
+    V: Value,
+    F: Fn(&D::Point) -> V + Send + Sync,
+{
+    type State = D::Point;
+    #[inline]
+    fn emit<S: Sampler>(&self, u: &mut S) -> Birth<D::Point, V> {
+        let n = self.density.draw(u);
+        Birth { point: n.point, weight: (self.function)(&n.point).scale(n.weight) }
+    }
+}
+
+impl<D, F, V> EmitPdf for SourceFn<D, F, V, TabulatedSource<D>>
+where
+    D: Domain,
+    V: Value,
+    F: Fn(&D::Point) -> V + Send + Sync,
+{
+    #[inline]
+    fn emit_pdf(&self, z: &D::Point) -> f64 {
+        self.density.density(z)
     }
 }
 

@@ -1,13 +1,14 @@
 //! A solution along a line: estimates with error bars over curves.
 
 use super::axis::Axis;
+use super::band::Strip;
 use super::drawing::Drawing;
 use super::panel::{self, Below, Entry, Frame, Panel};
 use super::style::{DASHED, GREY, INK, Look, SOLID, look};
 use super::{check, some};
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
-use crate::statistics::Estimate;
+use crate::statistics::{self, Estimate};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -46,6 +47,7 @@ pub struct Profile<'a> {
     interval: Interval,
     curves: Vec<(String, Curve<'a>)>,
     points: Vec<Points>,
+    bands: Vec<Strip>,
 }
 
 /// Points (x, y) of each of several series.
@@ -89,6 +91,7 @@ impl<'a> Profile<'a> {
             interval: interval.into(),
             curves: Vec::new(),
             points: Vec::new(),
+            bands: Vec::new(),
         }
     }
 
@@ -130,6 +133,17 @@ impl<'a> Profile<'a> {
         self
     }
 
+    /// The simultaneous band of a [profile](crate::statistics::Profile) of ascending points, as a strip: with probability `confidence` the whole
+    /// curve is inside.
+    pub fn band(mut self, label: &str, profile: &statistics::Profile<f64>, confidence: f64) -> Self {
+        let band = profile.band(confidence);
+        let ends = |i: usize| band.as_ref().map_or([f64::NAN; 2], |b| [b.lower[i], b.upper[i]]);
+        let place = |(i, (x, v)): (usize, (&f64, &f64))| [*x, ends(i)[0], *v, ends(i)[1]];
+        let places = profile.points().iter().zip(profile.values()).enumerate().map(place).collect();
+        self.bands.push(Strip { label: label.into(), places });
+        self
+    }
+
     /// Writes the picture; the extension `.svg` or `.png` chooses the format, missing folders are made.
     ///
     /// # Errors
@@ -157,7 +171,18 @@ impl<'a> Profile<'a> {
 
     fn validate(&self) -> Result<(), Error> {
         self.interval.validate()?;
-        some("curves and estimates", self.curves.len() + self.points.len())?;
+        some("curves and estimates", self.curves.len() + self.points.len() + self.bands.len())?;
+        for Strip { label, places } in &self.bands {
+            let (here, within) = (self.interval, "every point of a band must lie inside the interval of the plot");
+            check(label, "x", within, places.iter().map(|p| p[0]), |x| here.contains(&x))?;
+            check(
+                label,
+                "end of the band",
+                "must be known and finite: more batches, or points that walks reach",
+                places.iter().flat_map(|p| [p[1], p[3]]),
+                |_| true,
+            )?;
+        }
         for Points { label, bars, .. } in &self.points {
             some("estimates", bars.len())?;
             let (here, within) = (self.interval, "every estimate needs an x inside the interval of the plot");
@@ -199,6 +224,7 @@ impl<'a> Profile<'a> {
         let (curves, deviations) = (self.sampled()?, self.deviations()?);
         let x = Axis::linear(&self.x, [self.interval.lower(), self.interval.upper()], 0.025);
         let ends = self.points.iter().flat_map(|p| &p.bars).flat_map(|b| [b.value - b.half_width, b.value + b.half_width]);
+        let ends = ends.chain(self.bands.iter().flat_map(Strip::ends));
         let y = Axis::linear(&self.y, curves.iter().flatten().map(|p| p.1).chain(ends), 0.06);
         let largest = deviations.iter().flatten().flatten().map(|d| d.1.abs()).fold(3.0, f64::max);
         let z = Axis::linear("deviation / σ", [-largest, largest], 0.08);
@@ -225,7 +251,14 @@ impl<'a> Profile<'a> {
             Entry { label: label.into(), colour, line: curve.then_some(look(i).dash), marker: (!curve).then_some(marker) }
         };
         let curves = self.curves.iter().enumerate().map(|(i, (label, _))| entry(i, label, true));
-        curves.chain(self.points.iter().enumerate().map(|(i, p)| entry(self.curves.len() + i, &p.label, false))).collect()
+        let points = self.points.iter().enumerate().map(|(i, p)| entry(self.curves.len() + i, &p.label, false));
+        let strip = |(i, b): (usize, &Strip)| Entry { line: Some(SOLID), ..entry(self.strip(i), &b.label, true) };
+        curves.chain(points).chain(self.bands.iter().enumerate().map(strip)).collect()
+    }
+
+    /// Number of band `i` among all series.
+    fn strip(&self, i: usize) -> usize {
+        self.curves.len() + self.points.len() + i
     }
 
     /// The first curve is dark grey: it is what everything else is compared with.
@@ -244,6 +277,7 @@ impl<'a> Profile<'a> {
 
     fn upper(&self, panel: &Panel, curves: &[Vec<(f64, f64)>], shared: Below, drawing: &mut Drawing) {
         panel.grid(drawing);
+        self.bands.iter().enumerate().for_each(|(i, b)| b.draw(panel, self.look(self.strip(i)).colour, drawing));
         for (i, curve) in curves.iter().enumerate() {
             let places: Vec<_> = curve.iter().map(|p| panel.place(p.0, p.1)).collect();
             drawing.line(&places, self.look(i).colour, 1.8, look(i).dash);

@@ -126,6 +126,13 @@ impl SceneBuilder {
         self.environment = Some(environment);
     }
 
+    /// Whether nothing emits.
+    #[must_use]
+    pub fn is_dark(&self) -> bool {
+        let glows = self.shapes.iter().any(|(_, material, _)| mean_emission(&self.materials[material.0 as usize]) != Rgb::ZERO);
+        !glows && self.points.is_empty() && self.directions.is_empty() && self.environment.as_ref().is_none_or(Environment::is_black)
+    }
+
     /// Checks everything, finds the lights, builds the tree.
     ///
     /// # Errors

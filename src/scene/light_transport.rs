@@ -25,6 +25,7 @@ use crate::kernel::{Absorbing, Kernel, Operator, Step, Transition, TransitionPdf
 use crate::sampling::Sampler;
 use crate::source::{SampleSource, Source};
 use crate::value::{Value, Weight};
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// The source Lₑ: what surfaces, environment and lights without extent emit.
@@ -43,31 +44,48 @@ impl Scene {
     }
 }
 
-/// The scattering law at a state, in coordinates where it can be asked.
+/// The scattering law at a state.
 struct Local {
-    frame: Frame,
-    /// geometric normal; on opaque surfaces on the side of ωₒ
-    normal: Vec3,
     bsdf: Bsdf,
     outgoing: Vec3,
+    /// true unit normal; on opaque surfaces on the side of ωₒ
+    normal: Vec3,
+    /// the one to shade with
+    smooth: Vec3,
 }
 
 impl Local {
-    /// ωᵢ in local coordinates, unless the interpolated normal and the true one disagree about the side it is on.
+    /// Whether ωᵢ is on the same side of the interpolated normal and of the true one: light on no other way.
     #[inline]
-    fn incoming(&self, wi: &Vec3) -> Option<Vec3> {
-        let local = self.frame.to_local(wi);
-        (local.z * self.normal.dot(wi) > 0.0).then_some(local)
+    fn agree(&self, wi: &Vec3) -> bool {
+        self.smooth.dot(wi) * self.normal.dot(wi) > 0.0
     }
 
+    /// f |cos θᵢ|.
     #[inline]
     fn value(&self, wi: &Vec3) -> Rgb {
-        self.incoming(wi).map_or(Rgb::ZERO, |wi| self.bsdf.value(&self.outgoing, &wi))
+        match self.bsdf {
+            _ if !self.agree(wi) => Rgb::ZERO,
+            // no frame is needed for the most frequent law
+            Bsdf::Lambertian { albedo } => albedo.scaled(self.smooth.dot(wi).max(0.0) * FRAC_1_PI),
+            bsdf => {
+                let frame = Frame::around(self.smooth);
+                bsdf.value(&frame.to_local(&self.outgoing), &frame.to_local(wi))
+            }
+        }
     }
 
+    /// pdf(ωᵢ).
     #[inline]
     fn density(&self, wi: &Vec3) -> f64 {
-        self.incoming(wi).map_or(0.0, |wi| self.bsdf.density(&self.outgoing, &wi))
+        match self.bsdf {
+            _ if !self.agree(wi) => 0.0,
+            Bsdf::Lambertian { .. } => self.smooth.dot(wi).max(0.0) * FRAC_1_PI,
+            bsdf => {
+                let frame = Frame::around(self.smooth);
+                bsdf.density(&frame.to_local(&self.outgoing), &frame.to_local(wi))
+            }
+        }
     }
 }
 
@@ -95,9 +113,8 @@ impl Inner {
             (normal, smooth) = (-normal, -smooth);
         }
         // seen from behind the interpolated normal: the true one has to do
-        let n = if outgoing.dot(&smooth) * outgoing.dot(&normal) > 0.0 { smooth } else { normal };
-        let frame = Frame::around(n);
-        Some(Local { frame, normal, bsdf: material.at(self.texcoord(facet, x)), outgoing: frame.to_local(&outgoing) })
+        let smooth = if outgoing.dot(&smooth) * outgoing.dot(&normal) > 0.0 { smooth } else { normal };
+        Some(Local { bsdf: material.at(|| self.texcoord(facet, x)), outgoing, normal, smooth })
     }
 
     #[inline]
@@ -164,7 +181,7 @@ impl Source for Emission {
                 if facet.light == super::NONE || Vec3::from(x.outgoing).dot(&facet.normal(x)) <= 0.0 {
                     return Rgb::ZERO;
                 }
-                scene.materials[facet.material as usize].radiance(scene.texcoord(facet, x))
+                scene.materials[facet.material as usize].radiance(|| scene.texcoord(facet, x))
             }
             Place::Environment => scene.environment.as_ref().map_or(Rgb::ZERO, |e| e.radiance(x.outgoing.map(|c| -c))),
             Place::Light(light) => scene.lights.punctual(light),
@@ -223,9 +240,10 @@ impl Transition for LightTransport {
     #[inline]
     fn step<S: Sampler>(&self, x: &State, u: &mut S) -> Option<Step<State, Rgb>> {
         let (local, Place::Surface(primitive)) = (self.0.local(x)?, x.place) else { return None };
-        let ray = local.bsdf.scatter(&local.outgoing, u)?;
-        let direction = local.frame.to_world(&ray.incoming);
-        if ray.weight == Rgb::ZERO || ray.incoming.z * local.normal.dot(&direction) <= 0.0 {
+        let frame = Frame::around(local.smooth);
+        let ray = local.bsdf.scatter(&frame.to_local(&local.outgoing), u)?;
+        let direction = frame.to_world(&ray.incoming);
+        if ray.weight == Rgb::ZERO || !local.agree(&direction) {
             return Some(Step::regular(State::VOID, Rgb::ZERO));
         }
         let point = self.0.trace(&self.0.surface(primitive, x).spawn(direction.into()), &direction);

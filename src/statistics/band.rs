@@ -73,9 +73,10 @@ fn largest(rows: &[Vec<f64>], draw: u64, sums: &mut [f64]) -> f64 {
     // the band of the same batches is the same band: nothing but the number of the draw is random
     let mut u = Pcg::default().point(u64::MAX, u32::MAX, draw);
     sums.fill(0.0);
-    for row in rows {
-        let xi = normals(&mut u)[0];
-        sums.iter_mut().zip(row).for_each(|(s, d)| *s += xi * d);
+    for pair in rows.chunks(2) {
+        for (xi, row) in normals(&mut u).into_iter().zip(pair) {
+            sums.iter_mut().zip(row).for_each(|(s, d)| *s += xi * d);
+        }
     }
     let freedom = rows.len() - 1;
     let chi: f64 = (0..freedom.div_ceil(2)).map(|i| normals(&mut u).iter().take(freedom - 2 * i).map(|n| n * n).sum::<f64>()).sum();

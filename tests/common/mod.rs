@@ -68,6 +68,27 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::variances", 9),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
+    ("forward::line", 256),
+    ("forward::leakage", 4),
+    ("forward::bins", 5),
+    ("forward::matrices", 8),
+    ("forward::complex", 2),
+    ("forward::cut", 2),
+    ("forward::variance", 2),
+    ("forward::cube", 1),
+    ("forward::systems", 2),
+    ("forward::adjoint", 2),
+    ("forward::bands", 4),
+    ("forward::points", 20),
+    ("forward::slab", 3),
+    ("forward::smoothing", 6),
+    ("forward::expansion", 4),
+    ("scene::materials", 16),
+    ("scene::furnaces", 54),
+    ("scene::plates", 2),
+    ("scene::cornell", 2),
+    ("scene::hard", 4),
+    ("scene::radiosity", 3),
 ];
 
 /// The share of one test.
@@ -255,6 +276,11 @@ impl Reference {
     pub fn functional(&self, h: &str) -> f64 {
         let list = self.0["functionals"].as_array().unwrap();
         number(&list.iter().find(|f| f["h"] == h).unwrap_or_else(|| panic!("no functional {h}"))["value"])
+    }
+
+    /// Whether there is one.
+    pub fn has_functional(&self, h: &str) -> bool {
+        self.0["functionals"].as_array().is_some_and(|list| list.iter().any(|f| f["h"] == h))
     }
 
     fn points(&self) -> &Vec<serde_json::Value> {

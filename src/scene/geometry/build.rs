@@ -48,27 +48,60 @@ pub(super) fn build(bounds: &[Bounds]) -> (Tree, Vec<Vec<u32>>) {
     Collapse::new(&binary).run(place)
 }
 
+/// What a subtree of the binary tree costs if up to i + 1 children of a wide node stand for it: the areas of the boxes, in visits.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    cost: [f32; LANES],
+    /// how many of them stand for the first half; 0 if one fewer is as good
+    split: [u8; LANES],
+    count: u32,
+}
+
+/// The wide tree of least surface-area cost that can be made of a binary one.
+/// Ylitie, Karras & Laine (2017), Efficient incoherent ray traversal on GPUs through compressed wide BVHs, §3.1.
 struct Collapse<'a> {
     binary: &'a Bvh2,
-    /// boxes below each node
-    count: Vec<u32>,
+    plans: Vec<Plan>,
 }
 
 impl<'a> Collapse<'a> {
     fn new(binary: &'a Bvh2) -> Self {
-        let mut count = vec![0; binary.nodes.len()];
+        let nothing = Plan { cost: [0.0; LANES], split: [0; LANES], count: 0 };
+        let mut collapse = Collapse { binary, plans: vec![nothing; binary.nodes.len()] };
         let mut work = vec![(0_usize, false)];
         while let Some((i, ready)) = work.pop() {
             let (node, first) = (&binary.nodes[i], binary.nodes[i].first_index as usize);
-            if node.is_leaf() {
-                count[i] = node.prim_count;
-            } else if ready {
-                count[i] = count[first] + count[first + 1];
+            if node.is_leaf() || ready {
+                collapse.plans[i] = collapse.plan(i);
             } else {
                 work.extend([(i, true), (first, false), (first + 1, false)]);
             }
         }
-        Collapse { binary, count }
+        collapse
+    }
+
+    fn plan(&self, i: usize) -> Plan {
+        let node = &self.binary.nodes[i];
+        let area = node.aabb().half_area();
+        if node.is_leaf() {
+            return Plan { cost: [area; LANES], split: [0; LANES], count: node.prim_count };
+        }
+        let [a, b] = [0, 1].map(|k| &self.plans[node.first_index as usize + k]);
+        let mut plan = Plan { cost: [0.0; LANES], split: [0; LANES], count: a.count + b.count };
+        for lanes in 1..LANES {
+            let ways = (0..lanes).map(|k| (a.cost[k] + b.cost[lanes - 1 - k], k as u8 + 1));
+            (plan.cost[lanes], plan.split[lanes]) = ways.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
+        }
+        // one child: a leaf, or a node with all its lanes
+        plan.cost[0] = if plan.count as usize <= IN_LEAF { area } else { area + plan.cost[LANES - 1] };
+        // boxes without area cost nothing: what must be opened stays open
+        let fewest = if plan.count as usize <= IN_LEAF { 1 } else { 2 };
+        for lanes in fewest..LANES {
+            if plan.cost[lanes] >= plan.cost[lanes - 1] {
+                (plan.cost[lanes], plan.split[lanes]) = (plan.cost[lanes - 1], 0);
+            }
+        }
+        plan
     }
 
     fn run(&self, place: Place) -> (Tree, Vec<Vec<u32>>) {
@@ -82,7 +115,7 @@ impl<'a> Collapse<'a> {
                     node.bounds[axis][0][lane] = bounds.min[axis];
                     node.bounds[axis][1][lane] = bounds.max[axis];
                 }
-                node.child[lane] = if self.count[child] as usize <= IN_LEAF {
+                node.child[lane] = if self.plans[child].count as usize <= IN_LEAF {
                     leaves.push(self.items(child));
                     Node::leaf(leaves.len() as u32 - 1)
                 } else {
@@ -96,17 +129,20 @@ impl<'a> Collapse<'a> {
         (Tree { nodes, place }, leaves)
     }
 
-    /// At most eight nodes that stand for one: the largest is opened until there are enough.
+    /// The nodes that stand for one, at most eight.
     fn children(&self, node: usize) -> Vec<usize> {
-        let mut children = vec![node];
-        while children.len() < LANES {
-            let open =
-                |&(_, &c): &(usize, &usize)| !self.binary.nodes[c].is_leaf() && (self.count[c] as usize > IN_LEAF || children.len() == 1);
-            let area = |c: usize| self.binary.nodes[c].aabb().half_area();
-            let Some((k, &c)) = children.iter().enumerate().filter(open).max_by(|a, b| area(*a.1).total_cmp(&area(*b.1))) else { break };
-            let first = self.binary.nodes[c].first_index as usize;
-            children[k] = first;
-            children.push(first + 1);
+        let (mut children, mut work) = (Vec::with_capacity(LANES), vec![(node, LANES - 1)]);
+        while let Some((i, mut lanes)) = work.pop() {
+            while lanes > 0 && self.plans[i].split[lanes] == 0 {
+                lanes -= 1;
+            }
+            let split = usize::from(self.plans[i].split[lanes]);
+            if lanes == 0 {
+                children.push(i);
+            } else {
+                let first = self.binary.nodes[i].first_index as usize;
+                work.extend([(first + 1, lanes - split), (first, split - 1)]);
+            }
         }
         children
     }

@@ -61,30 +61,51 @@ impl<S: Coordinate> Triangles<S> {
         from_fn(|k| from_fn(|axis| self.corner[k][axis][lane].into()))
     }
 
+    /// One corner of all triangles in the coordinates of the ray: [`Frame::sheared`] in lanes.
+    #[inline(always)]
+    fn sheared(&self, corner: usize, ray: &Frame) -> [Four; 3] {
+        let corner = &self.corner[corner];
+        let [x, y, z] = ray.axes.map(|axis| &corner[axis]);
+        let o = ray.axes.map(|axis| ray.origin[axis]);
+        let z: Four = from_fn(|i| z[i].into() - o[2]);
+        [from_fn(|i| (x[i].into() - o[0]) - ray.shear[0] * z[i]), from_fn(|i| (y[i].into() - o[1]) - ray.shear[1] * z[i]), z]
+    }
+
     /// The triangles that the ray may hit before `until`, as bits: [`Frame::hit`] in lanes, without its division and error.
     #[inline(always)]
     fn candidates<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64) -> u32 {
-        type Four = [f64; IN_LEAF];
-        let sheared = |k: usize| -> [Four; 3] {
-            let along = |axis: usize| -> Four { from_fn(|i| self.corner[k][axis][i].into() - ray.origin[axis]) };
-            let [x, y, z] = ray.axes.map(along);
-            [from_fn(|i| x[i] - ray.shear[0] * z[i]), from_fn(|i| y[i] - ray.shear[1] * z[i]), z]
-        };
-        let (a, b, c) = (sheared(0), sheared(1), sheared(2));
-        let edge = |p: &[Four; 3], q: &[Four; 3]| -> Four { from_fn(|i| p[0][i] * q[1][i] - p[1][i] * q[0][i]) };
+        let (a, b, c) = (self.sheared(0, ray), self.sheared(1, ray), self.sheared(2, ray));
         let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
-        let outside: Four = from_fn(|i| {
-            let sum = u[i] + v[i] + w[i];
-            let t = (u[i] * a[2][i] + v[i] * b[2][i] + w[i] * c[2][i]) * ray.stretch.copysign(ray.stretch * sum);
+        let mut outside = [0.0; IN_LEAF];
+        for i in 0..IN_LEAF {
             let low = if u[i] < v[i] { u[i] } else { v[i] };
             let high = if u[i] > v[i] { u[i] } else { v[i] };
             let low = if low < w[i] { low } else { w[i] };
             let high = if high > w[i] { high } else { w[i] };
-            let within = (low >= 0.0) | (high <= 0.0);
-            if within & (t > 0.0) & (t <= until * sum.abs()) { 1.0 } else { -1.0 }
-        });
-        !lanes.signs64(&outside) & 0xf
+            outside[i] = if (low >= 0.0) | (high <= 0.0) { 1.0 } else { -1.0 };
+        }
+        let within = !lanes.signs64(&outside) & 0xf;
+        if within == 0 {
+            return 0;
+        }
+        for i in 0..IN_LEAF {
+            let sum = u[i] + v[i] + w[i];
+            let t = (u[i] * a[2][i] + v[i] * b[2][i] + w[i] * c[2][i]) * ray.stretch.copysign(ray.stretch * sum);
+            outside[i] = if (t > 0.0) & (t <= until * sum.abs()) { 1.0 } else { -1.0 };
+        }
+        within & !lanes.signs64(&outside)
     }
+}
+
+type Four = [f64; IN_LEAF];
+
+#[inline(always)]
+fn edge(p: &[Four; 3], q: &[Four; 3]) -> Four {
+    let mut edge = [0.0; IN_LEAF];
+    for i in 0..IN_LEAF {
+        edge[i] = p[0][i] * q[1][i] - p[1][i] * q[0][i];
+    }
+    edge
 }
 
 impl<S: Coordinate> Leaf for Triangles<S> {
@@ -161,7 +182,7 @@ impl<B: Leaf> Forest<B> {
         match &self.tree {
             None => self.leaves.iter().for_each(|leaf| leaf.hits(lanes, ray, nearest.until, |hit| nearest.offer(hit))),
             Some(tree) => {
-                let slab = Slab::new(&ray.ray(), &tree.place);
+                let slab = Slab::new(ray, &tree.place);
                 let limit = slab.limit(nearest.until);
                 tree.traverse(lanes, &slab, limit, &mut Closest { lanes, ray, leaves: &self.leaves, slab: &slab, nearest });
             }
@@ -179,7 +200,7 @@ impl<B: Leaf> Forest<B> {
         match &self.tree {
             None => return self.leaves.iter().any(hit),
             Some(tree) => {
-                let slab = Slab::new(&ray.ray(), &tree.place);
+                let slab = Slab::new(ray, &tree.place);
                 let limit = slab.limit(until);
                 tree.traverse(lanes, &slab, limit, &mut Any { lanes, ray, leaves: &self.leaves, until, limit, found: &mut found });
             }
@@ -200,6 +221,10 @@ impl<L: Lanes, B: Leaf> Visitor for Closest<'_, L, B> {
     const NEAREST_FIRST: bool = true;
 
     #[inline(always)]
+    fn expect(&self, index: u32) {
+        self.lanes.prefetch(&self.leaves[index as usize]);
+    }
+    #[inline(always)]
     fn leaf(&mut self, index: u32) -> f32 {
         self.leaves[index as usize].hits(self.lanes, self.ray, self.nearest.until, |hit| self.nearest.offer(hit));
         self.slab.limit(self.nearest.until)
@@ -218,6 +243,10 @@ struct Any<'a, L, B> {
 impl<L: Lanes, B: Leaf> Visitor for Any<'_, L, B> {
     const NEAREST_FIRST: bool = false;
 
+    #[inline(always)]
+    fn expect(&self, index: u32) {
+        self.lanes.prefetch(&self.leaves[index as usize]);
+    }
     #[inline(always)]
     fn leaf(&mut self, index: u32) -> f32 {
         self.leaves[index as usize].hits(self.lanes, self.ray, self.until, |hit| *self.found |= hit.t < self.until);

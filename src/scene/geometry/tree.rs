@@ -1,15 +1,16 @@
 //! A tree of boxes, eight to a node; it knows nothing of what is in them.
 
-use super::Ray;
 use super::lanes::Lanes;
+use super::triangle::Frame;
 use crate::scene::vector::{largest, scale, sub};
+use std::array::from_fn;
 
 /// Children of a node.
 pub(super) const LANES: usize = 8;
 /// Marks the index of a leaf.
 const LEAF: u32 = 1 << 31;
 /// Nodes that wait on a stack without allocation.
-const WAITING: usize = 96;
+const WAITING: usize = 64;
 
 /// Eight boxes, in single precision and never smaller than what they hold.
 #[derive(Clone, Copy, Debug)]
@@ -51,27 +52,26 @@ pub(super) struct Slab {
     start: f64,
 }
 
-/// Relative error of a distance to a box: three roundings on either side.
-const SLACK: f32 = 1.0 + 4.0 * f32::EPSILON;
+/// Relative error of a distance to a box: four roundings on either side.
+const SLACK: f32 = 1.0 + 6.0 * f32::EPSILON;
 
 impl Slab {
     #[inline(always)]
-    pub(super) fn new(ray: &Ray, place: &Place) -> Self {
-        let length = largest(ray.direction);
-        let d = scale(1.0 / length, ray.direction);
+    pub(super) fn new(ray: &Frame, place: &Place) -> Self {
+        let d = scale(ray.stretch.abs(), ray.direction);
         let far = scale(place.scale, sub(ray.origin, place.centre));
         // from far away the ray first comes near: the tree is within ±1, and the largest coordinate moves at speed 1
         let away = largest(far);
         let start = if away > 4.0 { away - 2.0 } else { 0.0 };
-        let o: [f64; 3] = std::array::from_fn(|i| far[i] + start * d[i]);
+        let o: [f64; 3] = from_fn(|i| far[i] + start * d[i]);
         let pad = |i: usize| (o[i].abs() * f64::from(2.0 * f32::EPSILON) + away * 4.0 * f64::EPSILON + 1e-20).copysign(d[i]);
         Slab {
-            enter: std::array::from_fn(|i| (o[i] + pad(i)) as f32),
-            leave: std::array::from_fn(|i| (o[i] - pad(i)) as f32),
+            enter: from_fn(|i| (o[i] + pad(i)) as f32),
+            leave: from_fn(|i| (o[i] - pad(i)) as f32),
             // parallel to a face: steep enough to be never in between, flat enough not to overflow
-            inverse: d.map(|x| (1.0 / x.abs().max(1e-30).copysign(x)) as f32),
-            near: d.map(|x| usize::from(x.is_sign_negative())),
-            rate: length * place.scale,
+            inverse: from_fn(|i| 1.0 / (d[i] as f32).abs().max(1e-30).copysign(d[i] as f32)),
+            near: from_fn(|i| usize::from(d[i].is_sign_negative())),
+            rate: ray.length * place.scale,
             start,
         }
     }
@@ -85,18 +85,26 @@ impl Slab {
     /// The boxes that the ray meets before `limit`, as bits, and where it enters them.
     #[inline(always)]
     fn boxes<L: Lanes>(&self, lanes: L, node: &Node, limit: f32) -> (u32, [f32; LANES]) {
-        let [x, y, z] = [0, 1, 2].map(|a| &node.bounds[a][self.near[a]]);
-        let [fx, fy, fz] = [0, 1, 2].map(|a| &node.bounds[a][1 - self.near[a]]);
+        let [x, y, z] = &node.bounds;
+        let [i, j, k] = self.near;
+        let enter = self.distances(&x[i & 1], &y[j & 1], &z[k & 1], &self.enter);
+        let leave = self.distances(&x[!i & 1], &y[!j & 1], &z[!k & 1], &self.leave);
         let max = |a: f32, b: f32| if a > b { a } else { b };
         let min = |a: f32, b: f32| if a < b { a } else { b };
-        let (e, l, inv) = (&self.enter, &self.leave, &self.inverse);
-        let enter: [f32; LANES] =
-            std::array::from_fn(|i| max(max((x[i] - e[0]) * inv[0], (y[i] - e[1]) * inv[1]), max((z[i] - e[2]) * inv[2], 0.0)));
-        let gap: [f32; LANES] = std::array::from_fn(|i| {
-            let leave = min(min((fx[i] - l[0]) * inv[0], (fy[i] - l[1]) * inv[1]), (fz[i] - l[2]) * inv[2]);
-            min(leave * SLACK, limit) - enter[i]
-        });
+        let enter: [f32; LANES] = from_fn(|i| max(max(enter[0][i], enter[1][i]), max(enter[2][i], 0.0)));
+        let gap: [f32; LANES] = from_fn(|i| min(min(min(leave[0][i], leave[1][i]), leave[2][i]) * SLACK, limit) - enter[i]);
         (!lanes.signs(&gap) & 0xff, enter)
+    }
+
+    #[inline(always)]
+    fn distances(&self, x: &[f32; LANES], y: &[f32; LANES], z: &[f32; LANES], origin: &[f32; 3]) -> [[f32; LANES]; 3] {
+        let mut distances = [[0.0; LANES]; 3];
+        for i in 0..LANES {
+            distances[0][i] = (x[i] - origin[0]) * self.inverse[0];
+            distances[1][i] = (y[i] - origin[1]) * self.inverse[1];
+            distances[2][i] = (z[i] - origin[2]) * self.inverse[2];
+        }
+        distances
     }
 }
 
@@ -104,6 +112,9 @@ impl Slab {
 pub(super) trait Visitor {
     /// Whether near leaves should come first.
     const NEAREST_FIRST: bool;
+
+    /// Brings a leaf near that will be visited soon.
+    fn expect(&self, index: u32);
 
     /// Takes leaf `index`, says up to where on the ray others are still wanted: a negative number ends the traversal.
     fn leaf(&mut self, index: u32) -> f32;
@@ -127,15 +138,11 @@ impl Tree {
                 limit = visitor.leaf(current & !LEAF);
             } else {
                 let node = &self.nodes[current as usize];
-                let (mut met, enter) = ray.boxes(lanes, node, limit);
-                let base = stack.reserve();
-                while met != 0 {
-                    let i = met.trailing_zeros() as usize & 7;
-                    met &= met - 1;
-                    stack.push((enter[i], node.child[i]));
-                    if V::NEAREST_FIRST {
-                        stack.sort_last(base);
-                    }
+                lanes.prefetch(&node.child);
+                let (met, enter) = ray.boxes(lanes, node, limit);
+                if met != 0 {
+                    current = self.descend(lanes, node, met, &enter, &mut stack, visitor);
+                    continue;
                 }
             }
             loop {
@@ -145,6 +152,43 @@ impl Tree {
                     break;
                 }
             }
+        }
+    }
+
+    /// Puts the children that are met on the stack, but for the one to go on with.
+    #[inline(always)]
+    fn descend<L: Lanes, V: Visitor>(&self, lanes: L, node: &Node, met: u32, enter: &[f32; LANES], stack: &mut Stack, visitor: &V) -> u32 {
+        let i = met.trailing_zeros() as usize & 7;
+        let mut rest = met & (met - 1);
+        let mut next = (enter[i], node.child[i]);
+        self.expect(lanes, next.1, visitor);
+        if rest == 0 {
+            return next.1;
+        }
+        let base = stack.reserve();
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize & 7;
+            rest &= rest - 1;
+            let mut other = (enter[i], node.child[i]);
+            if V::NEAREST_FIRST && other.0 < next.0 {
+                std::mem::swap(&mut next, &mut other);
+            }
+            self.expect(lanes, other.1, visitor);
+            stack.push(other);
+            if V::NEAREST_FIRST {
+                stack.sort_last(base);
+            }
+        }
+        next.1
+    }
+
+    /// Large scenes wait for memory most of the time: reads begin as soon as their places are known.
+    #[inline(always)]
+    fn expect<L: Lanes, V: Visitor>(&self, lanes: L, child: u32, visitor: &V) {
+        if child & LEAF == 0 {
+            lanes.prefetch(&self.nodes[child as usize]);
+        } else {
+            visitor.expect(child & !LEAF);
         }
     }
 }

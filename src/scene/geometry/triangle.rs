@@ -18,16 +18,21 @@ pub(super) struct Frame {
     pub(super) direction: [f64; 3],
     pub(super) axes: [usize; 3],
     pub(super) shear: [f64; 2],
+    /// 1/z of the direction
     pub(super) stretch: f64,
+    /// largest coordinate of the direction
+    pub(super) length: f64,
 }
 
 impl Frame {
     #[inline]
     pub(super) fn new(ray: &Ray) -> Self {
         let d = ray.direction;
-        let z = (0..3).fold(0, |k, i| if d[i].abs() > d[k].abs() { i } else { k });
-        let axes = [(z + 1) % 3, (z + 2) % 3, z];
-        Frame { origin: ray.origin, direction: d, axes, shear: [d[axes[0]] / d[z], d[axes[1]] / d[z]], stretch: 1.0 / d[z] }
+        let k = if d[1].abs() > d[0].abs() { 1 } else { 0 };
+        let z = if d[2].abs() > d[k].abs() { 2 } else { k };
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][z];
+        let stretch = 1.0 / d[z];
+        Frame { origin: ray.origin, direction: d, axes, shear: [d[axes[0]] * stretch, d[axes[1]] * stretch], stretch, length: d[z].abs() }
     }
 
     /// The ray, without its end.

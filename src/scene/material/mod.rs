@@ -9,8 +9,8 @@
 //! | [`Bsdf::RoughDielectric`] | Walter's, GGX | as above |
 //! | [`Bsdf::MetallicRoughness`] | glTF 2.0, appendix B | as above |
 //!
-//! All are reciprocal, f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ), refraction too: the unknown of the equation is the *basic radiance* L/n², which refraction leaves
-//! alone (Nicodemus 1963); outside glass it is the radiance.
+//! All are reciprocal: f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ), for refraction f(ωₒ, ωᵢ)/nᵢ² = f(ωᵢ, ωₒ)/nₒ². The unknown of the equation is the *basic radiance* L/n²,
+//! which refraction leaves alone (Nicodemus 1963); outside glass it is the radiance.
 //!
 //! Directions are in the surface's own frame, point away from it, and z is the normal. Densities are with respect to solid angle; `eval` has the
 //! cosine in it.

@@ -1,0 +1,174 @@
+//! Curves from forward walks: unbiased where they say so, biased as they say, and bands that hold for the whole curve.
+
+use crate::common::{Budget, Reference, all_pass};
+use fredholm::deterministic::Nystrom;
+use fredholm::statistics::{Bias, Profile, Verdict};
+use fredholm::transport::Slab;
+use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed};
+use fredholm::{Equation, Forward};
+
+/// f = 1 + 3x/10: straight, so that every tally says it without bias (its own bias is of f″, or of degrees above 1).
+macro_rules! straight {
+    () => {
+        Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y)
+    };
+}
+
+fn line(x: f64) -> f64 {
+    1.0 + 0.3 * x
+}
+
+/// Points where something can score: K(0, ·) = 0.
+fn points(n: u32) -> Vec<f64> {
+    (1..=n).map(|i| f64::from(i) / f64::from(n)).collect()
+}
+
+/// 95 % bands of four tallies contain the whole curve in 95 of 100 runs; a band for 99 % is wider.
+#[test]
+fn bands_cover_the_whole_curve() {
+    const RUNS: u64 = 1000;
+    let mut budget = Budget::of("forward::bands");
+    let (eq, xs) = (straight!(), points(10));
+    let mut hits = [0u64; 4];
+    let mut pointwise = 0;
+    for seed in 0..RUNS {
+        let walks = Forward::new().walks(1 << 11).seed(seed);
+        let profiles: [Profile<f64>; 4] = [
+            eq.solve(&walks.profile(KernelTally::at(&xs)).batches(16)).unwrap(),
+            eq.solve(&walks.profile(Histogram::new(0.0..=1.0, 8)).batches(16)).unwrap(),
+            eq.solve(&walks.profile(Smoothed::at(0.0..=1.0, &xs)).batches(16)).unwrap(),
+            eq.solve(&walks.profile(Expansion::legendre(0.0..=1.0, 3, &xs)).batches(16)).unwrap(),
+        ];
+        for (hits, f) in hits.iter_mut().zip(&profiles) {
+            let truth: Vec<f64> = f.points().iter().map(|x| line(*x)).collect();
+            *hits += u64::from(f.band(0.95).unwrap().contains(&truth));
+        }
+        let (f, errors) = (&profiles[1], profiles[1].std_errors().unwrap());
+        pointwise += u64::from((0..8).all(|i| (f.values()[i] - line(f.points()[i])).abs() < 2.13 * errors[i]));
+    }
+    let what = ["kernel tally", "histogram", "smoothed", "expansion"];
+    all_pass(what.into_iter().zip(hits).map(|(what, hits)| budget.frequency(what, hits, RUNS, 0.94, 0.96)).collect::<Vec<_>>());
+    assert!(pointwise < RUNS * 85 / 100, "intervals at single points would be no band: {pointwise} of {RUNS}");
+}
+
+/// Σ W_n K(x, Z_n) at 20 points against Nyström, one set of walks.
+#[test]
+fn the_kernel_tally_is_unbiased_at_every_point() {
+    let mut budget = Budget::of("forward::points");
+    let eq = Equation::on_interval(0.0..=1.0, |x: f64| 1.0 + x, |x: f64, y: f64| 0.7 * (-x * y * y).exp() * (1.0 + x - y));
+    let exact = eq.solve(&Nystrom::gauss_legendre(32)).unwrap();
+    let f = eq.solve(&Forward::new().walks(1 << 19).profile(KernelTally::at(&points(20)))).unwrap();
+    assert!(f.bias() == Bias::None && f.verdict() == Verdict::Trustworthy, "{f}");
+    let one = |(i, x): (usize, &f64)| {
+        budget.mean(&format!("x = {x}"), (f.values()[i], f.std_errors().unwrap()[i], 127.0), exact.eval(*x), 0.02 * f.values()[i])
+    };
+    all_pass(f.points().iter().enumerate().map(one).collect::<Vec<_>>());
+    // the walks are common: neighbours agree about their errors
+    let variance = f.covariance(9, 9).unwrap();
+    assert!((variance.sqrt() / f.std_errors().unwrap()[9] - 1.0).abs() < 1e-12);
+    assert!(f.covariance(9, 10).unwrap() > 0.9 * variance);
+}
+
+/// A logarithm on the diagonal is square-integrable: the kernel tally of a slab is finite and right.
+#[test]
+fn the_kernel_tally_of_a_slab() {
+    let mut budget = Budget::of("forward::slab");
+    let reference = Reference::load("slab-c0.9-a1-uniform");
+    let slab = Slab::new(1.0).scattering(0.9);
+    let eq = Equation::new(slab.uniform(1.0), &slab);
+    let values = reference.scalar();
+    let xs: Vec<f64> = values.iter().map(|v| v.0).collect();
+    let walks = Forward::new().ending(OwnAbsorption).walks(1 << 18);
+    let f = eq.solve(&walks.profile(KernelTally::at(&xs))).unwrap();
+    let one = |(i, (x, truth)): (usize, &(f64, f64))| {
+        budget.mean(&format!("x = {x}"), (f.values()[i], f.std_errors().unwrap()[i], 127.0), *truth, 0.04 * truth)
+    };
+    all_pass(values.iter().take(3).enumerate().map(one).collect::<Vec<_>>());
+}
+
+/// K = ½ x²: T f = c x², whose smoothing over ± b errs by exactly c b²/5 in the middle, and by as many b² next to an end.
+#[test]
+fn smoothing_errs_by_its_square() {
+    let mut budget = Budget::of("forward::smoothing");
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, _: f64| 0.5 * x * x);
+    // f = 1 + c x², c = ½ ∫ f = ½ (1 + c/3)
+    let c = 0.6;
+    let mut results = Vec::new();
+    for b in [0.4, 0.2, 0.1] {
+        let at = Smoothed::at(0.0..=1.0, &[0.5, 1.0]).bandwidth(b);
+        let f = eq.solve(&Forward::new().walks(1 << 21).profile(at)).unwrap();
+        assert_eq!(f.bias(), Bias::Smoothing { bandwidth: b });
+        // ∫ u² κ_x du for the one-sided kernel: (a₂² − a₁ a₃)/(a₀ a₂ − a₁²) with a = (1/2, 3/16, 1/10, 1/16)
+        let end = (0.01 - 3.0 / 256.0) / (0.05 - 9.0 / 256.0);
+        for (i, (truth, shape, margin)) in [(1.0 + c * 0.25, 0.2, 0.003), (1.0 + c, end, 0.025)].into_iter().enumerate() {
+            let seen = (f.values()[i], f.std_errors().unwrap()[i], 127.0);
+            results.push(budget.mean(&format!("b = {b}, point {i}"), seen, truth + c * b * b * shape, margin));
+        }
+    }
+    all_pass(results);
+    // the default shrinks with the number of walks
+    let width = |n| match eq.solve(&Forward::new().walks(n).profile(Smoothed::at(0.0..=1.0, &[0.5]))).unwrap().bias() {
+        Bias::Smoothing { bandwidth } => bandwidth,
+        other => panic!("{other:?}"),
+    };
+    assert!((width(1 << 7) / width(1 << 12) - 2.0).abs() < 1e-12);
+}
+
+/// Coefficients against quadrature of the deterministic solution; what is cut off is measured.
+#[test]
+fn expansions() {
+    let mut budget = Budget::of("forward::expansion");
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, y: f64| 0.5 * (x * y).exp());
+    let exact = eq.solve(&Nystrom::gauss_legendre(24)).unwrap();
+    let xs = [0.0, 0.3, 1.0];
+    let walks = Forward::new().walks(1 << 18);
+    let mut results = Vec::new();
+    for (tally, margin) in [(Expansion::legendre(0.0..=1.0, 5, &xs), 0.15), (Expansion::chebyshev_second(0.0..=1.0, 9, &xs), 0.3)] {
+        let (missed, all) = tally.missed(|x| exact.integral_term(x).unwrap());
+        assert!(missed < 0.04 * all && missed > 0.0, "{missed} {all}");
+        let f = eq.solve(&walks.profile(tally)).unwrap();
+        for (i, x) in xs.iter().enumerate().filter(|(_, x)| f.bias() == Bias::Projection { terms: 5 } || **x == 0.3) {
+            results.push(budget.mean(&format!("{x}"), (f.values()[i], f.std_errors().unwrap()[i], 127.0), exact.eval(*x), margin));
+        }
+    }
+    // fewer terms miss more, and Legendre's are the best in the mean square
+    let missed = |terms| Expansion::legendre(0.0..=1.0, terms, &[]).missed(|x| exact.integral_term(x).unwrap()).0;
+    assert!(missed(2) > 10.0 * missed(3) && missed(3) > 10.0 * missed(4));
+    all_pass(results);
+}
+
+/// |x − y|^−α in the kernel tally: for α ≥ ½ no variance exists, and the verdict says so; the histogram of the same walks has one.
+#[test]
+fn singular_kernels_are_found_out() {
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, y: f64| 0.06 * (x - y).abs().powf(-0.8)).tabulated(32).unwrap();
+    let walks = Forward::new().walks(1 << 16);
+    let f = eq.solve(&walks.profile(KernelTally::at(&[0.3, 0.6]))).unwrap();
+    assert_eq!(f.verdicts(), [Verdict::InfiniteVariance; 2], "{f}");
+    assert!(f.to_string().contains("infinite variance"));
+    let means = eq.solve(&walks.profile(Histogram::new(0.0..=1.0, 4))).unwrap();
+    assert_eq!(means.verdict(), Verdict::Trustworthy, "{means}");
+}
+
+/// What nothing reaches is unknown: no interval, and a band without ends.
+#[test]
+fn the_unreached_is_unknown() {
+    // walks never leave the left half
+    let eq =
+        Equation::on_interval(0.0..=1.0, |x: f64| f64::from(u8::from(x < 0.5)), |x: f64, y: f64| f64::from(u8::from(x < 0.5 && y < 0.5)));
+    let f = eq.solve(&Forward::new().profile(Histogram::new(0.0..=1.0, 4))).unwrap();
+    assert_eq!(f.verdicts()[3], Verdict::NothingScored);
+    assert_eq!(f.verdict(), Verdict::NothingScored);
+    let band = f.band(0.95).unwrap();
+    assert_eq!((band.lower[3], band.upper[3]), (f64::NEG_INFINITY, f64::INFINITY));
+    assert!(band.upper[0].is_finite() && band.critical > 1.9);
+}
+
+/// One batch knows nothing of its error.
+#[test]
+fn one_batch_has_no_band() {
+    let eq = straight!();
+    let f = eq.solve(&Forward::new().profile(KernelTally::at(&[0.5])).batches(1)).unwrap();
+    assert!(f.band(0.95).is_none() && f.std_errors().is_none() && f.covariance(0, 0).is_none() && f.to_string().contains("errors unknown"));
+    let f = eq.solve(&Forward::new().profile(KernelTally::at(&[0.5]))).unwrap();
+    assert!(f.band(0.0).is_none() && f.band(1.0).is_none() && f.batches() == 128);
+}

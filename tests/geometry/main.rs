@@ -1,0 +1,7 @@
+//! Geometry: the tree finds what trying everything finds, nothing leaks, nothing hits itself, and bad input has a name.
+
+mod bad_input;
+mod found;
+mod leaks;
+mod random;
+mod self_hits;
