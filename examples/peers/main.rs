@@ -8,6 +8,7 @@
 //! target/release/examples/peers determ b0.1                  Love's equation, d = 0.1, by several deterministic methods
 //! target/release/examples/peers lu 1000 2000                 a dense system: assembly, factorisation, condition number, solution
 //! target/release/examples/peers rng 20000000                 uniforms, Sobol' and other points by the number
+//! target/release/examples/peers rays folder cornell 5        closest and any hits a second, single and two threads; JSON lines
 //! ```
 //!
 //! Prints one comma-separated line a run: name, fredholm, variant, threads, samples, best and median seconds, rates, results; `determ`:
@@ -17,6 +18,7 @@
 
 mod determ;
 mod linalg;
+mod rays;
 mod rng;
 mod slab;
 mod toy;
@@ -43,7 +45,8 @@ pub(crate) fn timed<T>(repetitions: usize, mut run: impl FnMut() -> Result<T, Er
 }
 
 const USAGE: &str = "usage: peers toy A|B pcg64 WALKS REPETITIONS THREADS | peers slab HISTORIES REPETITIONS THREADS | peers determ KEY | \
-                     peers lu|matvec|assemble N… | peers rng COUNT";
+                     peers lu|matvec|assemble N… | peers rng COUNT | \
+                     peers rays FOLDER SCENE REPETITIONS";
 
 fn count<T: std::str::FromStr + PartialOrd + From<u8>>(argument: &str) -> Result<T, String> {
     argument.parse().ok().filter(|n| *n >= T::from(1)).ok_or(format!("'{argument}' is not a positive whole number\n{USAGE}"))
@@ -71,7 +74,8 @@ fn answer(arguments: &[&str]) -> Result<(), String> {
             linalg::linalg(command, &sizes).map_err(|e| e.to_string())
         }
         ["rng", numbers] => rng::rng(count(numbers)?).map_err(|e| e.to_string()),
-        [command @ ("render" | "rays"), ..] => Err(format!("'{command}' is not there yet")),
+        ["rays", folder, scene, repetitions] => rays::rays(folder, scene, count(repetitions)?),
+        [command @ "render", ..] => Err(format!("'{command}' is not there yet")),
         _ => Err(USAGE.to_string()),
     }
 }
