@@ -19,8 +19,8 @@
 
 mod determ;
 mod linalg;
-mod render;
 mod qmc;
+mod render;
 mod rng;
 mod slab;
 mod toy;
