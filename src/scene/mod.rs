@@ -33,6 +33,7 @@
 
 mod builder;
 mod camera;
+mod counters;
 mod film;
 mod frame;
 pub mod geometry;
@@ -53,6 +54,7 @@ pub(crate) mod vector;
 
 pub use builder::{Attributes, MaterialId, SceneBuilder};
 pub use camera::Camera;
+pub use counters::Counters;
 pub use film::{Film, Filter};
 pub use image::Image;
 pub use light::Environment;
