@@ -40,6 +40,9 @@
 //! | [`Walk::fixed_depth`] | `Transition` | `Source` | no: the bound is printed | always |
 //! | [`Bidirectional`] | `Kernel`, `TransitionPdf`, [`HasAdjoint`](kernel::HasAdjoint) | [`EmitPdf`](source::EmitPdf) | yes | of one of its strategies where it matters |
 //! | [`ArrayRqmc`](walk::ArrayRqmc) of any walk | and [`HasDomain`](kernel::HasDomain) | as the walk | yes | as the walk; falls faster than 1/n |
+//! | [`Forward::new`] | [`HasAdjoint`](kernel::HasAdjoint) | [`Emit`](source::Emit) | yes | ρ(K²/π*) < 1 |
+//! | [`Forward::next_event`] | `Kernel`, `HasAdjoint` | `Emit` | yes, at points too | and ∫K(η, ·)² < ∞ along the walk |
+//! | [`Forward::profile`] by [tallies](walk::Tally) | as its tally | `Emit` | [says so](statistics::Bias) | as above |
 //! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
 //!
 //! Plain integrals ∫f dμ, on which walks stand, are [`Integral`]s with the same verb and the same [`Estimate`]: [`integral`] has importance sampling,
@@ -48,7 +51,8 @@
 //! Unbiased walks are functions on the unit cube ([`estimator`]): several of one quantity are combined with weights of least variance, Metropolis' rule drives
 //! one through the cube for many cells at once, randomised truncation makes a convergent sequence unbiased.
 //!
-//! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own.
+//! A kernel that can only be evaluated gets its walk from a [proposal](kernel::Proposal): uniform, tabulated ∝ |K(x, ·)|, or your own; and its adjoint walk,
+//! from the source to every cell of a detector at once, for nothing. [`Forward::profile`] finds the whole of f with a band that holds for all points.
 //!
 //! # Guarantees
 //!

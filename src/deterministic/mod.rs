@@ -29,7 +29,7 @@ mod galerkin;
 mod grid;
 mod jumps;
 mod krylov;
-mod linear;
+pub(crate) mod linear;
 mod low_rank;
 mod lu;
 mod mesh;

@@ -14,6 +14,7 @@
 //!
 //! So `Walk::mis()` on this equation is the path tracer of Veach (1997), and this module has no integrator.
 
+use super::counters::{Counters, count};
 use super::frame::{Frame, Vec3};
 use super::geometry::Surface;
 use super::material::{Bsdf, Sides};
@@ -25,62 +26,84 @@ use crate::kernel::{Absorbing, Kernel, Operator, Step, Transition, TransitionPdf
 use crate::sampling::Sampler;
 use crate::source::{SampleSource, Source};
 use crate::value::{Value, Weight};
+use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// The source Lₑ: what surfaces, environment and lights without extent emit.
 #[derive(Clone, Debug)]
-pub struct Emission(Arc<Inner>);
+pub struct Emission(pub(super) Arc<Inner>, Option<Arc<Counters>>);
 
 /// The kernel K: one reflection or refraction, and the flight to the next surface.
 #[derive(Clone, Debug)]
-pub struct LightTransport(Arc<Inner>);
+pub struct LightTransport(pub(super) Arc<Inner>, Option<Arc<Counters>>);
 
 impl Scene {
     /// The equation of light in this scene.
     #[must_use]
     pub fn light_transport(&self) -> Equation<Emission, LightTransport> {
-        Equation::new(Emission(self.0.clone()), LightTransport(self.0.clone()))
+        self.transport(None)
+    }
+
+    pub(super) fn transport(&self, counters: Option<Arc<Counters>>) -> Equation<Emission, LightTransport> {
+        Equation::new(Emission(self.0.clone(), counters.clone()), LightTransport(self.0.clone(), counters))
     }
 }
 
-/// The scattering law at a state, in coordinates where it can be asked.
-struct Local {
-    frame: Frame,
-    /// geometric normal; on opaque surfaces on the side of ωₒ
-    normal: Vec3,
-    bsdf: Bsdf,
-    outgoing: Vec3,
+/// The scattering law at a state.
+pub(super) struct Local {
+    pub(super) bsdf: Bsdf,
+    pub(super) outgoing: Vec3,
+    /// true unit normal; on opaque surfaces on the side of ωₒ
+    pub(super) normal: Vec3,
+    /// the one to shade with
+    pub(super) smooth: Vec3,
 }
 
 impl Local {
-    /// ωᵢ in local coordinates, unless the interpolated normal and the true one disagree about the side it is on.
+    /// Whether ωᵢ is on the same side of the interpolated normal and of the true one: light on no other way.
     #[inline]
-    fn incoming(&self, wi: &Vec3) -> Option<Vec3> {
-        let local = self.frame.to_local(wi);
-        (local.z * self.normal.dot(wi) > 0.0).then_some(local)
+    pub(super) fn agree(&self, wi: &Vec3) -> bool {
+        self.smooth.dot(wi) * self.normal.dot(wi) > 0.0
     }
 
+    /// f |cos θᵢ|.
     #[inline]
-    fn value(&self, wi: &Vec3) -> Rgb {
-        self.incoming(wi).map_or(Rgb::ZERO, |wi| self.bsdf.value(&self.outgoing, &wi))
+    pub(super) fn value(&self, wi: &Vec3) -> Rgb {
+        match self.bsdf {
+            _ if !self.agree(wi) => Rgb::ZERO,
+            // no frame is needed for the most frequent law
+            Bsdf::Lambertian { albedo } => albedo.scaled(self.smooth.dot(wi).max(0.0) * FRAC_1_PI),
+            bsdf => {
+                let frame = Frame::around(self.smooth);
+                bsdf.value(&frame.to_local(&self.outgoing), &frame.to_local(wi))
+            }
+        }
     }
 
+    /// pdf(ωᵢ).
     #[inline]
-    fn density(&self, wi: &Vec3) -> f64 {
-        self.incoming(wi).map_or(0.0, |wi| self.bsdf.density(&self.outgoing, &wi))
+    pub(super) fn density(&self, wi: &Vec3) -> f64 {
+        match self.bsdf {
+            _ if !self.agree(wi) => 0.0,
+            Bsdf::Lambertian { .. } => self.smooth.dot(wi).max(0.0) * FRAC_1_PI,
+            bsdf => {
+                let frame = Frame::around(self.smooth);
+                bsdf.density(&frame.to_local(&self.outgoing), &frame.to_local(wi))
+            }
+        }
     }
 }
 
 /// From x to y: the direction, and dω/dμ = |cos θ_y|/r².
-struct Connection {
-    direction: Vec3,
-    solid_angle: f64,
+pub(super) struct Connection {
+    pub(super) direction: Vec3,
+    pub(super) solid_angle: f64,
 }
 
 impl Inner {
     /// How x scatters; `None` where nothing does: outside, on black backs.
     #[inline]
-    fn local(&self, x: &State) -> Option<Local> {
+    pub(super) fn local(&self, x: &State) -> Option<Local> {
         let Place::Surface(primitive) = x.place else { return None };
         let facet = &self.facets[primitive as usize];
         let material = &self.materials[facet.material as usize];
@@ -95,13 +118,12 @@ impl Inner {
             (normal, smooth) = (-normal, -smooth);
         }
         // seen from behind the interpolated normal: the true one has to do
-        let n = if outgoing.dot(&smooth) * outgoing.dot(&normal) > 0.0 { smooth } else { normal };
-        let frame = Frame::around(n);
-        Some(Local { frame, normal, bsdf: material.at(self.texcoord(facet, x)), outgoing: frame.to_local(&outgoing) })
+        let smooth = if outgoing.dot(&smooth) * outgoing.dot(&normal) > 0.0 { smooth } else { normal };
+        Some(Local { bsdf: material.at(|| self.texcoord(facet, x)), outgoing, normal, smooth })
     }
 
     #[inline]
-    fn connection(&self, x: &State, y: &State) -> Option<Connection> {
+    pub(super) fn connection(&self, x: &State, y: &State) -> Option<Connection> {
         let outwards = || -Vec3::from(y.outgoing);
         let across = || {
             let d = Vec3::from(y.position) - Vec3::from(x.position);
@@ -138,7 +160,7 @@ impl Inner {
 
     /// A point of a primitive with the rounding error of its position.
     #[inline]
-    fn surface(&self, primitive: u32, x: &State) -> Surface {
+    pub(super) fn surface(&self, primitive: u32, x: &State) -> Surface {
         let facet = &self.facets[primitive as usize];
         let (u, v) = (f64::from(x.u), f64::from(x.v));
         Surface { position: x.position, error: facet.error, normal: facet.normal(x).into(), primitive, u, v }
@@ -164,7 +186,7 @@ impl Source for Emission {
                 if facet.light == super::NONE || Vec3::from(x.outgoing).dot(&facet.normal(x)) <= 0.0 {
                     return Rgb::ZERO;
                 }
-                scene.materials[facet.material as usize].radiance(scene.texcoord(facet, x))
+                scene.materials[facet.material as usize].radiance(|| scene.texcoord(facet, x))
             }
             Place::Environment => scene.environment.as_ref().map_or(Rgb::ZERO, |e| e.radiance(x.outgoing.map(|c| -c))),
             Place::Light(light) => scene.lights.punctual(light),
@@ -177,8 +199,16 @@ impl SampleSource for Emission {
     /// Nothing is drawn for mirrors, clear glass and black backs, nor where all lights face away.
     #[inline]
     fn sample_for<S: Sampler>(&self, x: &State, u: &mut S) -> Option<Node<State>> {
-        let local = self.0.local(x).filter(|l| !l.bsdf.is_singular())?;
-        self.0.lights.sample(&x.position.into(), &self.0.receiving(&local), self.0.environment.as_ref(), u)
+        let Emission(scene, counters) = self;
+        let Some(local) = scene.local(x).filter(|l| !l.bsdf.is_singular()) else {
+            count(counters, |c| &c.mirrors);
+            return None;
+        };
+        let event = scene.lights.sample(&x.position.into(), &scene.receiving(&local), scene.environment.as_ref(), u);
+        if event.is_none() {
+            count(counters, |c| &c.unseen);
+        }
+        event
     }
 
     #[inline]
@@ -211,10 +241,20 @@ impl Kernel for LightTransport {
     /// Everything that can be 0 is asked before the shadow ray.
     #[inline]
     fn eval(&self, x: &State, y: &State) -> Rgb {
-        let Some(local) = self.0.local(x) else { return Rgb::ZERO };
-        let Some(Connection { direction, solid_angle }) = self.0.connection(x, y) else { return Rgb::ZERO };
+        let LightTransport(scene, counters) = self;
+        let Some(local) = scene.local(x) else { return Rgb::ZERO };
+        let Some(Connection { direction, solid_angle }) = scene.connection(x, y) else { return Rgb::ZERO };
         let value = local.value(&direction).scaled(solid_angle);
-        if value == Rgb::ZERO || !self.0.visible(x, y, &direction) { Rgb::ZERO } else { value }
+        if value == Rgb::ZERO {
+            count(counters, |c| &c.dark);
+            return Rgb::ZERO;
+        }
+        count(counters, |c| &c.shadow_rays);
+        if scene.visible(x, y, &direction) {
+            return value;
+        }
+        count(counters, |c| &c.blocked);
+        Rgb::ZERO
     }
 }
 
@@ -223,11 +263,13 @@ impl Transition for LightTransport {
     #[inline]
     fn step<S: Sampler>(&self, x: &State, u: &mut S) -> Option<Step<State, Rgb>> {
         let (local, Place::Surface(primitive)) = (self.0.local(x)?, x.place) else { return None };
-        let ray = local.bsdf.scatter(&local.outgoing, u)?;
-        let direction = local.frame.to_world(&ray.incoming);
-        if ray.weight == Rgb::ZERO || ray.incoming.z * local.normal.dot(&direction) <= 0.0 {
+        let frame = Frame::around(local.smooth);
+        let ray = local.bsdf.scatter(&frame.to_local(&local.outgoing), u)?;
+        let direction = frame.to_world(&ray.incoming);
+        if ray.weight == Rgb::ZERO || !local.agree(&direction) {
             return Some(Step::regular(State::VOID, Rgb::ZERO));
         }
+        count(&self.1, |c| &c.rays);
         let point = self.0.trace(&self.0.surface(primitive, x).spawn(direction.into()), &direction);
         Some(if ray.pdf == f64::INFINITY { Step::singular(point, ray.weight) } else { Step::regular(point, ray.weight) })
     }

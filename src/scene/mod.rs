@@ -8,10 +8,12 @@
 //! |---|---|
 //! | [`Scene`] | surfaces with materials, and lights; [`Scene::light_transport`] is its equation |
 //! | [`LightTransport`], [`Emission`] | the kernel and the source: `Walk::mis()` on them *is* the path tracer |
+//! | [`LightTracing`], [`Photon`] | the adjoint kernel and its states: [`Forward::new`](crate::Forward::new) is the light tracer, [`Bidirectional`](crate::Bidirectional) both |
 //! | [`Camera`], [`Film`] | the detector: a cell is a pixel |
 //! | [`Image`] | the answer: an estimate for every pixel; PNG, EXR |
 //! | [`Material`], [`Bsdf`] | how surfaces scatter |
 //! | [`Environment`] | light from far away |
+//! | [`Patches`], [`Radiosity`] | a diffuse scene as a linear system: the deterministic check |
 //! | [`geometry`] | what a ray meets |
 //!
 //! The module has no integrator: every method of the crate works on the equation.
@@ -31,15 +33,20 @@
 
 mod builder;
 mod camera;
+mod counters;
 mod film;
 mod frame;
 pub mod geometry;
 mod image;
+mod importance;
 mod light;
+mod light_tracing;
 mod light_transport;
 pub mod load;
 mod material;
+mod photon;
 mod picture;
+mod radiosity;
 pub mod shapes;
 mod state;
 mod texture;
@@ -47,19 +54,24 @@ pub(crate) mod vector;
 
 pub use builder::{Attributes, MaterialId, SceneBuilder};
 pub use camera::Camera;
+pub use counters::Counters;
 pub use film::{Film, Filter};
 pub use image::Image;
 pub use light::Environment;
+pub use light_tracing::LightTracing;
 pub use light_transport::{Emission, LightTransport};
 pub use load::load;
 pub use material::{Bsdf, Material, MetallicRoughness, Scattered, Sides, Textures};
+pub use photon::Photon;
+pub use radiosity::{Patches, Radiosity};
 pub use state::{Place, State};
 pub use texture::Texture;
 
 use crate::value::Spectrum;
 use frame::Vec3;
-use geometry::{Geometry, Hit, Ray, Surface};
-use light::Lights;
+use geometry::{Geometry, Hit, Ray, Shape};
+use light::{Births, Lights};
+use std::fmt;
 use std::sync::Arc;
 
 /// Red, green and blue, linear.
@@ -78,6 +90,7 @@ struct Inner {
     details: Vec<Detail>,
     materials: Vec<Material>,
     lights: Lights,
+    births: Births,
     environment: Option<Environment>,
 }
 
@@ -160,8 +173,15 @@ impl Inner {
 
     #[inline]
     fn state(&self, ray: &Ray, hit: &Hit, direction: &Vec3) -> State {
-        let Surface { position, primitive, u, v, .. } = self.geometry.surface(ray, hit);
-        State { place: Place::Surface(primitive), u: u as f32, v: v as f32, position, outgoing: (-direction).into() }
+        let shape = self.geometry.shape_of(hit.primitive);
+        let position = match &self.geometry.shapes()[shape] {
+            Shape::Mesh(mesh) => {
+                let [a, b, c] = mesh.corners((hit.primitive - self.geometry.first_of(shape)) as usize);
+                std::array::from_fn(|i| (1.0 - hit.u - hit.v) * a[i] + hit.u * b[i] + hit.v * c[i])
+            }
+            Shape::Sphere(_) => self.geometry.surface(ray, hit).position,
+        };
+        State { place: Place::Surface(hit.primitive), u: hit.u as f32, v: hit.v as f32, position, outgoing: (-direction).into() }
     }
 }
 
@@ -189,5 +209,27 @@ impl Scene {
     #[must_use]
     pub fn geometry(&self) -> &Geometry {
         &self.0.geometry
+    }
+}
+
+/// What there is, and what no walk in this scene will ever have to do.
+impl fmt::Display for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Inner { geometry, materials, lights, details, .. } = &*self.0;
+        let (local, remote) = (lights.local.len(), lights.remote.len());
+        write!(f, "{} primitives, {} materials, {local} lights near and {remote} far", geometry.primitives(), materials.len())?;
+        for (skipped, why) in [
+            (local + remote == 0, "no light: the image is black"),
+            (local + remote == 1, "one light: none is chosen"),
+            (!materials.iter().any(Material::textured), "no texture is fetched"),
+            (details.is_empty(), "all triangles are flat"),
+            (materials.iter().all(Material::is_singular), "no diffuse surface: nothing is connected"),
+            (geometry.degenerate() > 0, "triangles without area are never hit"),
+        ] {
+            if skipped {
+                write!(f, "; {why}")?;
+            }
+        }
+        Ok(())
     }
 }

@@ -139,10 +139,10 @@ impl HasAdjoint for Chain {
 struct Ends;
 
 const G: [f64; 3] = [0.5, 0.0, 1.5];
-const H: [f64; 3] = [1.0, 0.3, 0.2];
+const H: [f64; 3] = [1.0, 0.0, 0.2];
 /// starts and births by outcome
 const STARTS: [usize; 3] = [0, 1, 2];
-const BIRTHS: [usize; 3] = [2, 0, 2];
+const BIRTHS: [usize; 3] = [2, 0, 1];
 
 fn share(table: [usize; 3], x: usize) -> f64 {
     table.iter().filter(|y| **y == x).count() as f64 / 3.0
@@ -254,12 +254,74 @@ fn every_strategy_alone_finds_the_matrix_element() {
     let eq = Equation::new(Ends, chain);
     let query = eq.seen_by(&Ends);
     for m in 0..=2u64 {
-        // births never begin at 1, where g = 0, and forward walks never go from 0 to 2: K₂₀ ≠ 0 is found backward only
+        // forward walks never go from 0 to 2: K₂₀ ≠ 0 is found backward only
         let truth = element(H, |i, j| chain.total(i, j), G, m as usize);
         for s in 0..=1 {
             let walks = Bidirectional::new().endings(Certain(1), Certain(2)).strategies(Strategies::One { s, t: m + 1 - s });
             let found = mean(&query.bidirectional(&walks).unwrap(), m as usize);
             assert!((found - truth).abs() < 1e-12, "m = {m}, s = {s}: {found} against {truth}");
+        }
+    }
+}
+
+/// P by place.
+#[derive(Clone, Copy, Debug)]
+struct Places([f64; 3]);
+
+impl Ending<Chain> for Places {
+    fn survival(&self, _: &Chain, x: &usize, _: u64, _: f64) -> Survival {
+        Survival::with_probability(self.0[*x])
+    }
+    fn survival_at(&self, _: &Chain, x: &usize) -> Option<f64> {
+        Some(self.0[*x])
+    }
+}
+
+/// Decisions that make a walk visit `path` and end there; `None` if it cannot.
+fn decisions(chain: &Chain, path: &[usize]) -> Option<Vec<(f64, f64)>> {
+    let step = |w: &[usize]| Some((0.01, (0.5 + chain.moves[w[0]].iter().position(|y| *y == w[1])? as f64) / 3.0));
+    path.windows(2).map(step).collect()
+}
+
+/// Σ_s w_s = 1 along every path that scores, over the strategies that can find it: the weight is what an order's score is of the strategy's alone.
+#[test]
+fn weights_add_up_to_one_along_every_path() {
+    for (mirror, m) in [(0.0, 1), (0.0, 3), (0.8, 2), (0.8, 3)] {
+        let chain = Chain::new(mirror);
+        let adjoint = chain.adjoint().unwrap();
+        let eq = Equation::new(Ends, chain);
+        let query = eq.seen_by(&Ends);
+        let ends = (Places([0.5, 0.75, 0.6]), Places([0.7, 0.4, 0.9]));
+        for heuristic in HEURISTICS {
+            let walks = Bidirectional::new().endings(ends.0, ends.1).heuristic(heuristic);
+            let all = query.bidirectional(&walks.strategies(Strategies::Order(m))).unwrap();
+            let mut seen = 0;
+            for path in (0..3usize.pow(m as u32 + 1)).map(|i| (0..=m as u32).map(|k| i / 3usize.pow(k) % 3).collect::<Vec<_>>()) {
+                let (mut sum, mut found) = (0.0, 0);
+                for s in 0..=m + 1 {
+                    let (eye, light) = path.split_at((m + 1 - s) as usize);
+                    let light: Vec<usize> = light.iter().rev().copied().collect();
+                    let (Some(back), Some(forth)) = (decisions(&chain, eye), decisions(&adjoint, &light)) else { continue };
+                    let place = |table: [usize; 3], x: Option<&usize>| x.and_then(|x| table.iter().position(|y| y == x));
+                    // for a walk of no vertices, one that starts and ends at 1, where g = h = 0: nothing joined with it scores
+                    let (Some(start), Some(birth)) = (place(STARTS, eye.first().or(Some(&1))), place(BIRTHS, light.first().or(Some(&1))))
+                    else {
+                        continue;
+                    };
+                    let start = [start, birth].map(|k| (0.5 + k as f64) / 3.0);
+                    let u = || Decisions { start, vertices: [back.clone(), forth.clone()], at: (0, Purpose::Start) };
+                    let one = query.bidirectional(&walks.strategies(Strategies::One { s, t: m + 1 - s })).unwrap();
+                    let alone = one.score(0, &mut u(), &mut Default::default()).value;
+                    if alone != 0.0 {
+                        let both = all.score(0, &mut u(), &mut Default::default()).value;
+                        sum += both / alone;
+                        found += 1;
+                    }
+                }
+                assert!(found == 0 || (sum - 1.0).abs() < 1e-12, "mirror {mirror}, {heuristic:?}, {path:?}: Σw = {sum} of {found}");
+                seen += found;
+            }
+            assert!(seen >= 8, "{seen}");
         }
     }
 }

@@ -3,9 +3,10 @@
 use crate::common::{Budget, all_pass};
 use crate::{erased, stated};
 use fredholm::detector::Bins;
-use fredholm::estimator::{LargeSteps, Metropolis, estimator_fn};
+use fredholm::estimator::{Combination, LargeSteps, Metropolis, OneCell, estimator_fn};
 use fredholm::statistics::Study;
-use fredholm::{Error, Estimate, Walk};
+use fredholm::walk::Roulette;
+use fredholm::{Error, Estimate, Forward, Walk};
 
 /// Five cells of very different brightness, one of them negative: ∫ of 2^c·x, minus for cell 1.
 fn truth(cell: usize) -> f64 {
@@ -41,6 +42,34 @@ fn chains_are_unbiased() {
         results.push(budget.mean(&format!("walk cell {cell}"), stated(e), 1.0 + 0.3 * bins.centre(cell), 0.12));
     }
     all_pass(results);
+}
+
+/// One point scores in many cells: forward walks, alone, in cells, and along chains.
+#[test]
+fn forward_walks_are_tallies() {
+    let mut budget = Budget::of("bidirectional::forward");
+    let mut results = Vec::new();
+    let eq = erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| 0.5 * x * y);
+    let bins = Bins::new(0.0..=1.0, 4);
+    let query = eq.seen_by(&bins);
+    let walk = Forward::new().roulette(Roulette::constant(0.7));
+    let found = Metropolis::new().chains(64).mutations(4096).seed(5).solve(&query.tally(&walk).unwrap()).unwrap();
+    let both = Combination::new()
+        .with(query.estimator(&Walk::collision()).unwrap())
+        .with(OneCell(query.tally(&walk).unwrap()))
+        .samples_per_cell(1 << 15)
+        .solve()
+        .unwrap();
+    for (cell, (chains, combined)) in found.cells.iter().zip(&both).enumerate() {
+        let truth = 1.0 + 0.3 * bins.centre(cell);
+        results.push(budget.mean(&format!("chains, cell {cell}"), stated(chains), truth, 0.2));
+        results.push(budget.mean(&format!("combined, cell {cell}"), stated(&combined.estimate), truth, 0.05));
+    }
+    all_pass(results);
+    let error = query.tally(&Forward::new().depth(3)).map(drop).unwrap_err();
+    assert!(matches!(error, Error::Invalid { parameter: "depth", .. }), "{error}");
+    let long = query.tally(&walk.max_steps(1)).unwrap();
+    assert!(matches!(Metropolis::new().solve(&long), Err(Error::WalkTooLong { steps: 1, .. })));
 }
 
 /// ≥ 400 repetitions: Student's intervals over 20 chains contain the truth as often as they say.

@@ -63,7 +63,9 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::debias", 8),
     ("bidirectional::metropolis", 16),
     ("bidirectional::metropolis coverage", 3),
+    ("bidirectional::forward", 8),
     ("bidirectional::strategies", 30),
+    ("bidirectional::variances", 9),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
     ("forward::line", 256),
@@ -81,6 +83,12 @@ const REGISTERED: &[(&str, u32)] = &[
     ("forward::slab", 3),
     ("forward::smoothing", 6),
     ("forward::expansion", 4),
+    ("scene::materials", 16),
+    ("scene::furnaces", 54),
+    ("scene::plates", 2),
+    ("scene::cornell", 2),
+    ("scene::hard", 4),
+    ("scene::radiosity", 3),
 ];
 
 /// The share of one test.

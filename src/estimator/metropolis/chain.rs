@@ -69,6 +69,14 @@ pub(super) struct Outcome<V> {
     pub(super) evaluations: u64,
 }
 
+impl<V> Outcome<V> {
+    fn count(&mut self, large: bool, accepted: bool) {
+        let count = if large { &mut self.large } else { &mut self.small };
+        count.0 += 1;
+        count.1 += u64::from(accepted);
+    }
+}
+
 /// A point and what it scores.
 struct State<V> {
     point: Point,
@@ -155,11 +163,11 @@ impl Setting {
             evaluations: self.pool,
         };
         let total: f64 = pool.iter().sum();
-        let start = chosen(&pool, rng.next_1d() * total);
-        if let Some(start) = start {
-            current.visit(tally, Mutation::Large, &mut self.stream(POOLS, chain, start as u64), &mut scratch)?;
-        } else {
-            current.target = 0.0;
+        match chosen(&pool, rng.next_1d() * total) {
+            Some(start) => {
+                current.visit(tally, Mutation::Large, &mut self.stream(POOLS, chain, start as u64), &mut scratch)?;
+            }
+            None => current.target = 0.0,
         }
         self.walk(tally, &mut current, &mut scratch, &mut rng, &mut out)?;
         Ok(out)
@@ -198,9 +206,7 @@ impl Setting {
                 record(out, &proposed, weight(proposed.target, a, f64::from(u8::from(large))));
             }
             let accepted = rng.next_1d() < a;
-            let count = if large { &mut out.large } else { &mut out.small };
-            count.0 += 1;
-            count.1 += u64::from(accepted);
+            out.count(large, accepted);
             if accepted {
                 std::mem::swap(current, &mut proposed);
             }

@@ -26,14 +26,16 @@ mod chain;
 mod point;
 mod tally;
 
-pub use tally::Tally;
+pub(crate) use tally::choose;
+pub use tally::{OneCell, Tally};
 
 use super::run::check_budget;
 use crate::error::Error;
 use crate::parallel;
 use crate::statistics::{Estimate, Moments, Pooled};
+use crate::value::Value;
 use chain::{Outcome, Setting};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What fresh points are used for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -154,33 +156,20 @@ impl Metropolis {
         if pools.moments.nonzero == 0 {
             return Err(Error::ZeroTarget { samples: self.chains * self.pool });
         }
-        let (steps, evaluations, elapsed) = (sum(&outcomes, |o| o.steps), sum(&outcomes, |o| o.evaluations), clock.elapsed());
+        let cost = Cost { steps: sum(&outcomes, |o| o.steps), evaluations: sum(&outcomes, |o| o.evaluations), elapsed: clock.elapsed() };
         let cell = |j: usize| {
             let chains: Vec<Moments<T::Value>> = outcomes.iter().map(|o| o.cells[j].moments(2 * self.mutations)).collect();
-            let Pooled { moments, std_error, degrees_of_freedom } = Pooled::randomised(&chains);
-            let value = moments.mean;
-            Estimate { value, std_error, degrees_of_freedom, moments, tail: None, steps, evaluations, truncation: None, elapsed }
+            let cell = cost.estimate(Pooled::randomised(&chains));
+            // what no chain has reached is unknown, not 0 ± 0
+            Estimate { std_error: cell.std_error.filter(|_| cell.moments.nonzero > 0), ..cell }
         };
-        let Pooled { moments, std_error, degrees_of_freedom } = pools;
-        let value = moments.mean;
-        let share = |part: fn(&Outcome<T::Value>) -> u64, of: fn(&Outcome<T::Value>) -> u64| {
-            sum(&outcomes, part) as f64 / sum(&outcomes, of) as f64
-        };
+        let share =
+            |count: fn(&Outcome<T::Value>) -> (u64, u64)| sum(&outcomes, |o| count(o).1) as f64 / sum(&outcomes, |o| count(o).0) as f64;
         Ok(Chains {
             cells: (0..tally.cells()).map(cell).collect(),
-            normalisation: Estimate {
-                value,
-                std_error,
-                degrees_of_freedom,
-                moments,
-                tail: None,
-                steps: 0,
-                evaluations: self.chains * self.pool,
-                truncation: None,
-                elapsed,
-            },
-            acceptance: share(|o| o.small.1, |o| o.small.0),
-            large_acceptance: share(|o| o.large.1, |o| o.large.0),
+            normalisation: Cost { steps: 0, evaluations: self.chains * self.pool, ..cost }.estimate(pools),
+            acceptance: share(|o| o.small),
+            large_acceptance: share(|o| o.large),
         })
     }
 
@@ -216,6 +205,23 @@ impl Metropolis {
 impl Default for Metropolis {
     fn default() -> Self {
         Metropolis::new()
+    }
+}
+
+/// What all chains cost together.
+#[derive(Clone, Copy)]
+struct Cost {
+    steps: u64,
+    evaluations: u64,
+    elapsed: Duration,
+}
+
+impl Cost {
+    fn estimate<V: Value>(self, pooled: Pooled<V>) -> Estimate<V> {
+        let Pooled { moments, std_error, degrees_of_freedom } = pooled;
+        let Cost { steps, evaluations, elapsed } = self;
+        let value = moments.mean;
+        Estimate { value, std_error, degrees_of_freedom, moments, tail: None, steps, evaluations, truncation: None, elapsed }
     }
 }
 

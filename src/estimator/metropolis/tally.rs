@@ -1,7 +1,7 @@
 //! Scores of one point for many cells.
 
 use crate::error::Error;
-use crate::estimator::Estimator;
+use crate::estimator::{Estimator, Score};
 use crate::sampling::Sampler;
 use crate::value::Value;
 
@@ -30,7 +30,7 @@ pub trait Tally: Send + Sync {
 }
 
 /// The cell that a point chooses, each with probability 1/cells.
-fn choose<S: Sampler>(cells: usize, u: &mut S) -> usize {
+pub(crate) fn choose<S: Sampler>(cells: usize, u: &mut S) -> usize {
     // the start of walks, which seek it again, must not read the same coordinate: it is read where a fresh cursor stands
     ((u.next_1d() * cells as f64) as usize).min(cells - 1)
 }
@@ -55,5 +55,46 @@ impl<T: Estimator> Tally for T {
     fn explain<S: Sampler>(&self, u: &mut S) -> Option<Error> {
         let cell = choose(Estimator::cells(self), u);
         Estimator::explain(self, cell, 0, u)
+    }
+}
+
+/// A [`Tally`] as an [`Estimator`]: of what a point scores, what falls into the cell that was asked for.
+///
+/// ```
+/// use fredholm::{Equation, Forward, detector::Bins, estimator::{Estimator, OneCell}, sampling::{Pcg, Sequence}};
+/// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+/// let bins = Bins::new(0.0..=1.0, 4);
+/// let query = eq.seen_by(&bins);
+/// let walk = OneCell(query.tally(&Forward::new())?);
+/// let scores: Vec<f64> = (0..4).map(|cell| walk.score(cell, &mut Pcg::new(1).point(0, 0, 5), &mut Vec::new()).value).collect();
+/// // one walk, and every vertex of it falls into one cell
+/// assert!(scores.iter().any(|score| *score > 0.0));
+/// # Ok::<(), fredholm::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct OneCell<T>(pub T);
+
+impl<T: Tally> Estimator for OneCell<T> {
+    type Value = T::Value;
+    type Scratch = T::Scratch;
+
+    fn cells(&self) -> usize {
+        self.0.cells()
+    }
+
+    #[inline]
+    fn score<S: Sampler>(&self, cell: usize, u: &mut S, scratch: &mut T::Scratch) -> Score<T::Value> {
+        let mut value = T::Value::ZERO;
+        let (steps, evaluations) = self.0.tally(u, scratch, &mut |at, score| {
+            // a score that is not finite is an error wherever it falls
+            if at == cell || !score.all_finite() {
+                value += score;
+            }
+        });
+        Score { value, steps, evaluations }
+    }
+
+    fn explain<S: Sampler>(&self, _: usize, _: u64, u: &mut S) -> Option<Error> {
+        self.0.explain(u)
     }
 }

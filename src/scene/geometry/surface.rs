@@ -5,9 +5,10 @@ use crate::scene::vector::{dot, scale, sub};
 
 /// A point on a surface, known up to `error`.
 ///
-/// Rays that leave it start where no rounding can put them back on the surface: shifted along the normal by |n|·error, a few units in the last
-/// place of the coordinates and no fixed epsilon.
-/// Pharr, Jakob & Humphreys (2023), Physically Based Rendering, 4th edition, §6.8.
+/// Rays that leave it start where no rounding can put them back on the surface: shifted along the normal by a few units in the last place of
+/// the coordinates, and by no fixed epsilon. The shift is the sum of the errors, which is more than their projection |n|·error on any normal:
+/// near an edge it clears the neighbouring triangle too.
+/// After Pharr, Jakob & Humphreys (2023), Physically Based Rendering, 4th edition, §6.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Where it is.
@@ -30,7 +31,7 @@ impl Surface {
     #[must_use]
     pub fn offset(&self, towards: [f64; 3]) -> [f64; 3] {
         let n = self.normal;
-        let distance = n[0].abs() * self.error[0] + n[1].abs() * self.error[1] + n[2].abs() * self.error[2];
+        let distance = self.error[0] + self.error[1] + self.error[2];
         let shift = scale(distance.copysign(dot(n, towards)), n);
         std::array::from_fn(|i| {
             // the sum is rounded: one number further away

@@ -25,8 +25,8 @@ pub(crate) struct TriangleLight {
     radius2: f64,
 }
 
-/// A triangle is near within so many squared radii; beyond, the cosine and the distance vary by less than a seventh or so over it.
-const NEAR: f64 = 64.0;
+/// A triangle is near within so many squared radii. Beyond, cos θ/r² varies over it by half at most, and its exact density is not worth its price.
+const NEAR: f64 = 16.0;
 
 impl TriangleLight {
     pub(crate) fn new([a, b, c]: [[f64; 3]; 3]) -> Self {
@@ -65,7 +65,9 @@ impl TriangleLight {
         let direction = spherical(&corners, [u, v])?;
         let weights = self.meet(x, &direction)?;
         let y = self.corner + self.sides[0] * weights[0] + self.sides[1] * weights[1];
-        Some((weights, 1.0 / self.density(x, &y, solid)))
+        // a triangle seen edge-on, or a point in its plane: rounding leaves no solid angle
+        let q = self.density(x, &y, solid);
+        (q > 0.0 && q < f64::INFINITY).then(|| (weights, 1.0 / q))
     }
 
     /// q at the point y of the triangle, per area.
@@ -88,9 +90,12 @@ impl TriangleLight {
         let p = direction.cross(ac);
         let scale = 1.0 / ab.dot(&p);
         let from = x - self.corner;
-        let b = (from.dot(&p) * scale).clamp(0.0, 1.0);
-        let c = (direction.dot(&from.cross(ab)) * scale).clamp(0.0, 1.0 - b);
-        (b.is_finite() && c.is_finite()).then_some([b, c])
+        let (b, c) = (from.dot(&p) * scale, direction.dot(&from.cross(ab)) * scale);
+        if !(b.is_finite() && c.is_finite()) {
+            return None;
+        }
+        let b = b.clamp(0.0, 1.0);
+        Some([b, c.clamp(0.0, 1.0 - b)])
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, E
     });
     let mut ids = Vec::new();
     for m in &materials {
-        let material = convert(m, name, folder, &mut loaded)?;
+        let material = convert(m, folder, &mut loaded)?;
         ids.push(loaded.builder.material(material));
     }
     let mut grey = None;
@@ -39,14 +39,10 @@ pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, E
 }
 
 /// `Kd` diffuse, `Ks` with `Ns` a coat, `d` < 1 with `Ni` glass, `Ke` emission.
-fn convert(m: &tobj::Material, name: &str, folder: &Path, loaded: &mut Loaded) -> Result<Material, Error> {
+fn convert(m: &tobj::Material, folder: &Path, loaded: &mut Loaded) -> Result<Material, Error> {
     let colour = |c: Option<[f32; 3]>| c.unwrap_or([0.0; 3]).map(f64::from);
     let (diffuse, specular) = (colour(m.diffuse), colour(m.specular));
-    let emission = match m.unknown_param.get("Ke") {
-        Some(text) => numbers(text).ok_or_else(|| wrong(name, format!("material {}: Ke {text} are not three numbers", m.name)))?,
-        None => [0.0; 3],
-    };
-    for key in m.unknown_param.keys().filter(|k| !["Ke", "Tf"].contains(&k.as_str())) {
+    for key in m.unknown_param.keys() {
         loaded.report.note(format!("material property {key}"));
     }
     for (used, what) in [(&m.specular_texture, "map_Ks"), (&m.normal_texture, "normal map"), (&m.dissolve_texture, "map_d")] {
@@ -71,10 +67,5 @@ fn convert(m: &tobj::Material, name: &str, folder: &Path, loaded: &mut Loaded) -
     } else {
         Material::diffuse(diffuse)
     };
-    Ok(law.emitting(emission).textures(Textures { base, ..Textures::default() }))
-}
-
-fn numbers(text: &str) -> Option<[f64; 3]> {
-    let list: Vec<f64> = text.split_whitespace().map(|w| w.parse().ok()).collect::<Option<_>>()?;
-    list.try_into().ok()
+    Ok(law.emitting(colour(m.emissive)).textures(Textures { base, ..Textures::default() }))
 }

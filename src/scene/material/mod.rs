@@ -9,8 +9,8 @@
 //! | [`Bsdf::RoughDielectric`] | Walter's, GGX | as above |
 //! | [`Bsdf::MetallicRoughness`] | glTF 2.0, appendix B | as above |
 //!
-//! All are reciprocal, f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ), refraction too: the unknown of the equation is the *basic radiance* L/n², which refraction leaves
-//! alone (Nicodemus 1963); outside glass it is the radiance.
+//! All are reciprocal: f(ωₒ, ωᵢ) = f(ωᵢ, ωₒ), for refraction f(ωₒ, ωᵢ)/nᵢ² = f(ωᵢ, ωₒ)/nₒ². The unknown of the equation is the *basic radiance* L/n²,
+//! which refraction leaves alone (Nicodemus 1963); outside glass it is the radiance.
 //!
 //! Directions are in the surface's own frame, point away from it, and z is the normal. Densities are with respect to solid angle; `eval` has the
 //! cosine in it.
@@ -161,6 +161,18 @@ impl Bsdf {
             Bsdf::Conductor { alpha, .. } => ggx::density(*alpha, wo, wi),
             Bsdf::RoughDielectric { index, alpha, .. } => rough::density(*index, *alpha, wo, wi),
             Bsdf::MetallicRoughness(m) => m.density(wo, wi),
+        }
+    }
+
+    /// (nᵢ/nₒ)², by which light that is refracted from ωᵢ to ωₒ multiplies beside what reciprocity says: the unknown is L/n².
+    #[inline]
+    pub(crate) fn adjoint_factor(&self, wi: &Vec3, wo: &Vec3) -> f64 {
+        match self {
+            Bsdf::Dielectric { index, .. } | Bsdf::RoughDielectric { index, .. } if wi.z * wo.z < 0.0 => {
+                let ratio = if wi.z > 0.0 { 1.0 / index } else { *index };
+                ratio * ratio
+            }
+            _ => 1.0,
         }
     }
 

@@ -1,11 +1,11 @@
 //! Rough glass: GGX facets, each of which reflects or refracts.
 //!
 //! ```text
-//! reflection  f = F D G/(4 cos θₒ cos θᵢ),                                                        h ∥ ωₒ + ωᵢ
-//! refraction  f = (1 − F) D G |ωₒ·h| |ωᵢ·h| η²/(cos θₒ cos θᵢ (ωₒ·h + η ωᵢ·h)²) · 1/η²,           h ∥ ωₒ + η ωᵢ
+//! reflection  f = F D G/(4 cos θₒ cos θᵢ),                                              h ∥ ωₒ + ωᵢ
+//! refraction  f = (1 − F) D G |ωₒ·h| |ωᵢ·h| η²/(cos θₒ cos θᵢ (ωₒ·h + η ωᵢ·h)²),             h ∥ ωₒ + η ωᵢ
 //! ```
 //!
-//! η = index on the side of ωᵢ over that of ωₒ; the last factor belongs to the basic radiance L/n². Walter et al. (2007), eqs. (16), (20), (21).
+//! η = index on the side of ωᵢ over that of ωₒ; for the radiance itself, not L/n², the numerator has no η². Walter et al. (2007), eqs. (16), (20), (21).
 
 use super::{Ray, fresnel, ggx};
 use crate::sampling::Sampler;

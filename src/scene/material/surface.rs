@@ -82,7 +82,7 @@ impl Material {
         Material::new(Bsdf::Conductor { specular: crate::Spectrum(specular), alpha: roughness * roughness })
     }
 
-    /// glTF's material with an index of 1.5.
+    /// glTF's material with an index of 1.5; `roughness` below 0.01, where facets are a mirror to all purposes, counts as 0.01.
     pub fn metallic_roughness(base: [f64; 3], metallic: f64, roughness: f64) -> Self {
         Material::coated(base, metallic, roughness, crate::Spectrum([0.04; 3]), 1.0)
     }
@@ -110,35 +110,22 @@ impl Material {
 
     /// The scattering law at a point with these texture coordinates.
     #[inline]
-    pub(crate) fn at(&self, texcoord: [f64; 2]) -> Bsdf {
+    pub(crate) fn at(&self, texcoord: impl Fn() -> [f64; 2]) -> Bsdf {
         match (&self.law, &self.textures) {
             (Law::Fixed(bsdf), Textures { base: None, .. }) => *bsdf,
-            (Law::Fixed(bsdf), Textures { base: Some(texture), .. }) => tinted(*bsdf, texture.at(texcoord)),
-            (Law::MetallicRoughness { .. }, textures) => Bsdf::MetallicRoughness(self.resolved(textures, texcoord)),
+            (Law::Fixed(bsdf), Textures { base: Some(texture), .. }) => tinted(*bsdf, texture.at(texcoord())),
+            (Law::MetallicRoughness { base, metallic, roughness, coat, grazing }, textures) => {
+                Bsdf::MetallicRoughness(resolved((*base, *metallic, *roughness), (*coat, *grazing), textures, texcoord))
+            }
         }
-    }
-
-    fn resolved(&self, textures: &Textures, texcoord: [f64; 2]) -> MetallicRoughness {
-        let Law::MetallicRoughness { mut base, mut metallic, mut roughness, coat, grazing } = self.law else {
-            return MetallicRoughness::new(Rgb::default(), 0.0, 1.0);
-        };
-        if let Some(texture) = &textures.base {
-            base = base.apply(texture.at(texcoord));
-        }
-        if let Some(texture) = &textures.metallic_roughness {
-            let t = texture.at(texcoord);
-            (roughness, metallic) = (roughness * t[1], metallic * t[2]);
-        }
-        // the floor of α is said in the documentation of `Bsdf`: a texture may reach 0
-        MetallicRoughness::coated(base, metallic, roughness.max(SMOOTHEST.sqrt()), coat, grazing)
     }
 
     /// Radiance emitted on the front.
     #[inline]
-    pub(crate) fn radiance(&self, texcoord: [f64; 2]) -> Rgb {
+    pub(crate) fn radiance(&self, texcoord: impl Fn() -> [f64; 2]) -> Rgb {
         match &self.textures.emission {
             None => self.emission,
-            Some(texture) => self.emission.apply(texture.at(texcoord)),
+            Some(texture) => self.emission.apply(texture.at(texcoord())),
         }
     }
 
@@ -150,6 +137,11 @@ impl Material {
 
     pub(crate) fn transmits(&self) -> bool {
         matches!(self.law, Law::Fixed(bsdf) if bsdf.transmits())
+    }
+
+    /// Whether only Dirac parts scatter.
+    pub(crate) fn is_singular(&self) -> bool {
+        matches!(self.law, Law::Fixed(bsdf) if bsdf.is_singular())
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
@@ -169,6 +161,24 @@ impl Material {
             }
         }
     }
+}
+
+/// Base colour, metallic and roughness times their textures.
+fn resolved(
+    (mut base, mut metallic, mut roughness): (Rgb, f64, f64),
+    (coat, grazing): (Rgb, f64),
+    textures: &Textures,
+    texcoord: impl Fn() -> [f64; 2],
+) -> MetallicRoughness {
+    if let Some(texture) = &textures.base {
+        base = base.apply(texture.at(texcoord()));
+    }
+    if let Some(texture) = &textures.metallic_roughness {
+        let t = texture.at(texcoord());
+        (roughness, metallic) = (roughness * t[1], metallic * t[2]);
+    }
+    // the floor of α is said in the documentation of `Bsdf`: a texture may reach 0
+    MetallicRoughness::coated(base, metallic, roughness.max(SMOOTHEST.sqrt()), coat, grazing)
 }
 
 /// The law with its colour multiplied.

@@ -2,8 +2,9 @@
 
 use crate::kernel::{Density, TransitionPdf};
 use crate::sampling::{Purpose, Sampler};
-use crate::value::{Value, Weight};
+use crate::value::Weight;
 use crate::walk::driver::{At, Driver, End, Errand, Lane};
+use crate::walk::forward::Carried;
 use crate::walk::{Arrival, Ending, Observer, Visit};
 
 /// A vertex, with what multiple importance sampling needs of it.
@@ -12,23 +13,25 @@ pub(super) struct Vertex<X, L> {
     pub(super) state: X,
     /// α of theory (4.7.3)
     pub(super) load: L,
-    /// density of the walk's own arrival, survival included; infinite for a start that no other walk can find. NaN if the walk does not state it
-    pub(super) pdf: f64,
+    /// 1/density of the walk's own arrival, survival included; 0 for a start that no other walk can find. NaN if the walk does not state it
+    pub(super) rarity: f64,
     /// whether the arrival has a density: walks cannot be joined along a Dirac part, whose edges count as density 1 in both directions
     pub(super) regular: bool,
+    /// whether walks can be joined by the edge before this vertex, once the walk goes on
+    pub(super) joinable: bool,
     /// survival probability here, as far as it depends on the place alone
     pub(super) survival: f64,
     /// density with which a walk in the opposite direction arrives here from the next vertex
     pub(super) reverse: f64,
-    /// Σ_k Π (reverse/pdf)^β over the strategies that leave this vertex, k − 1 before it, … to the other walk
+    /// Σ_k Π (reverse/own)^β over the strategies that leave this vertex, k − 1 before it, … to the other walk
     pub(super) sum: f64,
 }
 
 impl<X, L> Vertex<X, L> {
-    /// reverse/pdf.
+    /// reverse density/own density.
     #[inline]
     pub(super) fn ratio(&self, reverse: f64) -> f64 {
-        reverse / self.pdf
+        reverse * self.rarity
     }
 }
 
@@ -53,32 +56,22 @@ impl<W: Weight> Burden<W> for Matrix<W> {
     }
     #[inline]
     fn size(&self) -> f64 {
-        relative(self.weight.norm(), self.start)
+        let here = self.weight.norm();
+        // 0/0: a walk of weight 0 is worth nothing
+        if here == 0.0 { 0.0 } else { here / self.start }
     }
 }
 
-/// A value, forward: K(x, z)ᵀ is the adjoint's weight.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Carried<V> {
-    pub(super) value: V,
-    pub(super) start: f64,
-}
-
+/// A value, forward.
 impl<W: Weight> Burden<W> for Carried<W::Value> {
     #[inline]
     fn carry(&self, reciprocal: f64, step: W) -> Self {
-        Carried { value: step.transposed().apply(self.value.scale(reciprocal)), ..*self }
+        Carried::carry(self, reciprocal, step)
     }
     #[inline]
     fn size(&self) -> f64 {
-        relative(self.value.magnitude(), self.start)
+        self.relative()
     }
-}
-
-#[inline]
-fn relative(here: f64, start: f64) -> f64 {
-    // 0/0: a walk of weight 0 is worth nothing
-    if here == 0.0 { 0.0 } else { here / start }
 }
 
 /// P at a place, 1 where it depends on more: weights of techniques may be functions of the path alone, and need not be more than that.
@@ -128,9 +121,10 @@ impl<K: TransitionPdf, E: Ending<K>, L: Burden<K::Weight>> Errand<K> for Keeper<
             (_, Arrival::Step { from, .. }) => (survived * self.kernel.pdf(&from, &state), true),
         };
         // a step that denies its own arrival breaks the law of its density: its scores must not pass for 0
-        let pdf = if pdf > 0.0 { pdf } else { f64::NAN };
+        let rarity = if pdf > 0.0 { 1.0 / pdf } else { f64::NAN };
         let survival = survival_at(self.kernel, self.ending, &state);
-        self.vertices.push(Vertex { state, load: at.visit.weight, pdf, regular, survival, reverse: f64::NAN, sum: f64::NAN });
+        let joinable = regular;
+        self.vertices.push(Vertex { state, load: at.visit.weight, rarity, regular, joinable, survival, reverse: f64::NAN, sum: f64::NAN });
     }
 
     #[inline]

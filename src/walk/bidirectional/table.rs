@@ -1,8 +1,7 @@
 //! The strategies one by one.
 
-use super::pair::Memory;
-use super::{Bidirectional, Connect};
-use crate::detector::StartPdf;
+use super::pair::{Memory, PairEstimator};
+use super::{Bidirectional, Connect, Meet};
 use crate::equation::Query;
 use crate::error::Error;
 use crate::estimator::Estimator;
@@ -13,6 +12,7 @@ use crate::source::EmitPdf;
 use crate::statistics::Moments;
 use crate::value::{Value, Weight};
 use crate::walk::Ending;
+use std::ops::Range;
 
 /// What one strategy contributes, alone and in company.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
 {
     /// The strategies of paths of up to `order` edges, from the pairs of the detector's cell `cell`: what each finds alone, and with its weight.
     ///
@@ -83,39 +83,15 @@ where
         if cell >= self.detector().cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
         }
-        let (sequence, replicates) = (walks.sequence, u64::from(walks.sequence.replicates().unwrap_or(1)));
+        let replicates = u64::from(walks.sequence.replicates().unwrap_or(1));
         let count = walks.samples.div_ceil(replicates);
         let chunks = count.div_ceil(CHUNK);
-        let places: Vec<_> = places(order).collect();
         let parts = parallel::map((chunks * replicates) as usize, |task| {
             let (replicate, first) = ((task as u64 / chunks) as u32, task as u64 % chunks * CHUNK);
-            let indices = first..(first + CHUNK).min(count);
-            let size = (indices.end - first) as usize;
-            let mut scores = vec![[G::Value::ZERO; 2]; size * places.len()];
-            let mut memory = Memory::<G, K>::default();
-            for (i, mut u) in sequence.points(cell as u64, replicate, indices).enumerate() {
-                let mut sum = G::Value::ZERO;
-                let done = pairs.pair(cell, &mut u, &mut memory, |j| {
-                    let weighted = j.contribution.scale(j.weight);
-                    sum += weighted;
-                    if ((j.s + j.t) as u64) <= order + 1 {
-                        scores[index(j.s, j.t) * size + i] = [j.contribution, weighted];
-                    }
-                });
-                if done.is_err() || !sum.all_finite() {
-                    let walk = first + i as u64;
-                    let unexplained = Error::NonFiniteScore { sample: walk, replicate, score: format!("{sum:?}") };
-                    return Err(pairs.explain(cell, walk, &mut sequence.point(cell as u64, replicate, walk)).unwrap_or(unexplained));
-                }
-            }
-            let moments = |k: usize, part: usize| {
-                let column: Vec<_> = scores[k * size..(k + 1) * size].iter().map(|score| score[part]).collect();
-                Moments::from_scores(&column)
-            };
-            Ok((0..places.len()).map(|k| [moments(k, 0), moments(k, 1)]).collect::<Vec<_>>())
+            pairs.columns(&walks.sequence, (cell, replicate), first..(first + CHUNK).min(count), order)
         });
-        let mut table: Vec<Strategy<G::Value>> =
-            places.iter().map(|&(s, t)| Strategy { s, t, alone: Moments::default(), weighted: Moments::default() }).collect();
+        let strategy = |(s, t)| Strategy { s, t, alone: Moments::default(), weighted: Moments::default() };
+        let mut table: Vec<Strategy<G::Value>> = places(order).map(strategy).collect();
         for part in parts {
             for (strategy, [alone, weighted]) in table.iter_mut().zip(part?) {
                 strategy.alone.merge(&alone);
@@ -123,5 +99,45 @@ where
             }
         }
         Ok(table)
+    }
+}
+
+impl<G, K, D, E, F> PairEstimator<'_, G, K, D, E, F>
+where
+    G: EmitPdf,
+    K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
+    E: Ending<K>,
+    F: Ending<K::Adjoint>,
+{
+    /// Moments of C and of w C of every strategy, from a block of pairs.
+    fn columns<Q: Sequence>(
+        &self,
+        sequence: &Q,
+        (cell, replicate): (usize, u32),
+        indices: Range<u64>,
+        order: u64,
+    ) -> Result<Vec<[Moments<G::Value>; 2]>, Error> {
+        let (size, first) = ((indices.end - indices.start) as usize, indices.start);
+        let mut columns = vec![[vec![G::Value::ZERO; size], vec![G::Value::ZERO; size]]; places(order).count()];
+        let mut memory = Memory::<G, K>::default();
+        for (i, mut u) in sequence.points(cell as u64, replicate, indices).enumerate() {
+            let mut sum = G::Value::ZERO;
+            let done = self.pair(cell, &mut u, &mut memory, |j| {
+                let weighted = j.contribution.scale(j.weight);
+                sum += weighted;
+                if ((j.s + j.t) as u64) <= order + 1 {
+                    let [alone, shared] = &mut columns[index(j.s, j.t)];
+                    (alone[i], shared[i]) = (j.contribution, weighted);
+                }
+            });
+            if done.is_err() || !sum.all_finite() {
+                let walk = first + i as u64;
+                let unexplained = Error::NonFiniteScore { sample: walk, replicate, score: format!("{sum:?}") };
+                return Err(self.explain(cell, walk, &mut sequence.point(cell as u64, replicate, walk)).unwrap_or(unexplained));
+            }
+        }
+        Ok(columns.iter().map(|column| [0, 1].map(|part| Moments::from_scores(&column[part]))).collect())
     }
 }

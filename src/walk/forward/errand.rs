@@ -21,13 +21,38 @@ pub(super) struct Onward<'a, G: Emit, K, D, C> {
 
 /// W_n, and |W₀|: roulette by throughput asks for |W_n|/|W₀|, which does not depend on the units of g.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Carried<V> {
-    value: V,
-    birth: f64,
+pub(in crate::walk) struct Carried<V> {
+    pub(in crate::walk) value: V,
+    pub(in crate::walk) birth: f64,
+}
+
+impl<V: Value> Carried<V> {
+    /// The step's weight is K†(Z_n, Z_{n+1})/π* = K(Z_{n+1}, Z_n)ᵀ/π*.
+    #[inline]
+    pub(in crate::walk) fn carry<W: Weight<Value = V>>(&self, reciprocal: f64, step: W) -> Self {
+        Carried { value: step.transposed().apply(self.value.scale(reciprocal)), ..*self }
+    }
+
+    /// |W_n|/|W₀|.
+    #[inline]
+    pub(in crate::walk) fn relative(&self) -> f64 {
+        let here = self.value.magnitude();
+        // 0/0: a walk of weight 0 is worth nothing
+        if here == 0.0 { 0.0 } else { here / self.birth }
+    }
+
+    #[inline]
+    pub(super) fn tell<Z, W: Weight<Value = V>, O: Observer<Z, W>>(&self, z: &Z, observer: &mut O) {
+        observer.value(z, &self.value);
+    }
 }
 
 #[inline]
-fn seen<'a, G: Emit, K, D>(equation: &'a Equation<G, K>, detector: &'a D, at: &Visit<G::State, Carried<G::Value>>) -> Seen<'a, G, K, D> {
+pub(super) fn seen<'a, G: Emit, K, D>(
+    equation: &'a Equation<G, K>,
+    detector: &'a D,
+    at: &Visit<G::State, Carried<G::Value>>,
+) -> Seen<'a, G, K, D> {
     Seen { equation, detector, visit: Visit { point: at.point, weight: at.weight.value, survival: at.survival } }
 }
 
@@ -45,17 +70,14 @@ where
     type Score = ();
     const NOTHING: () = ();
 
-    /// The step's weight is K†(Z_n, Z_{n+1})/π* = K(Z_{n+1}, Z_n)ᵀ/π*.
     #[inline]
     fn carry(load: &Carried<G::Value>, reciprocal: f64, step: K::Weight) -> Carried<G::Value> {
-        Carried { value: step.transposed().apply(load.value.scale(reciprocal)), ..*load }
+        load.carry(reciprocal, step)
     }
 
     #[inline]
     fn magnitude(load: &Carried<G::Value>) -> f64 {
-        let here = load.value.magnitude();
-        // 0/0: a walk of weight 0 is worth nothing
-        if here == 0.0 { 0.0 } else { here / load.birth }
+        load.relative()
     }
 
     #[inline]
@@ -66,7 +88,7 @@ where
         (): &mut (),
         observer: &mut O,
     ) {
-        observer.value(&at.visit.point, &at.visit.weight.value);
+        at.visit.weight.tell(&at.visit.point, observer);
         at.u.seek(at.depth, Purpose::Event);
         let Onward { equation, detector, scoring, ref mut scores } = *self;
         scoring.arrival(seen(equation, detector, at.visit), arrival, at.u, observer, |cell, score| scores.add(at.walk, cell, score));

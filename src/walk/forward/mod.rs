@@ -16,10 +16,13 @@ mod errand;
 mod run;
 mod scores;
 mod scoring;
+mod tally;
 mod trace;
 
+pub(super) use errand::Carried;
 pub(super) use run::Run;
 pub use scoring::{Collided, Connections, ForwardScoring, Seen};
+pub use tally::ForwardTally;
 pub use trace::ForwardTrace;
 
 use super::{Collision, Ending, FixedDepth, NextEvent, Roulette, Subcritical, Walk};

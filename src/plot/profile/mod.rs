@@ -1,13 +1,17 @@
 //! A solution along a line: estimates with error bars over curves.
 
+mod band;
+mod deviations;
+
 use super::axis::Axis;
 use super::drawing::Drawing;
 use super::panel::{self, Below, Entry, Frame, Panel};
-use super::style::{DASHED, GREY, INK, Look, SOLID, look};
+use super::style::{INK, Look, SOLID, look};
 use super::{check, some};
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
-use crate::statistics::Estimate;
+use crate::statistics::{self, Estimate};
+use band::Strip;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -46,6 +50,7 @@ pub struct Profile<'a> {
     interval: Interval,
     curves: Vec<(String, Curve<'a>)>,
     points: Vec<Points>,
+    bands: Vec<Strip>,
 }
 
 /// Points (x, y) of each of several series.
@@ -89,6 +94,7 @@ impl<'a> Profile<'a> {
             interval: interval.into(),
             curves: Vec::new(),
             points: Vec::new(),
+            bands: Vec::new(),
         }
     }
 
@@ -130,6 +136,17 @@ impl<'a> Profile<'a> {
         self
     }
 
+    /// The simultaneous band of a [profile](crate::statistics::Profile) of ascending points, as a strip: with probability `confidence` the whole
+    /// curve is inside.
+    pub fn band(mut self, label: &str, profile: &statistics::Profile<f64>, confidence: f64) -> Self {
+        let band = profile.band(confidence);
+        let ends = |i: usize| band.as_ref().map_or([f64::NAN; 2], |b| [b.lower[i], b.upper[i]]);
+        let place = |(i, (x, v)): (usize, (&f64, &f64))| [*x, ends(i)[0], *v, ends(i)[1]];
+        let places = profile.points().iter().zip(profile.values()).enumerate().map(place).collect();
+        self.bands.push(Strip { label: label.into(), places });
+        self
+    }
+
     /// Writes the picture; the extension `.svg` or `.png` chooses the format, missing folders are made.
     ///
     /// # Errors
@@ -157,7 +174,18 @@ impl<'a> Profile<'a> {
 
     fn validate(&self) -> Result<(), Error> {
         self.interval.validate()?;
-        some("curves and estimates", self.curves.len() + self.points.len())?;
+        some("curves and estimates", self.curves.len() + self.points.len() + self.bands.len())?;
+        for Strip { label, places } in &self.bands {
+            let (here, within) = (self.interval, "every point of a band must lie inside the interval of the plot");
+            check(label, "x", within, places.iter().map(|p| p[0]), |x| here.contains(&x))?;
+            check(
+                label,
+                "end of the band",
+                "must be known and finite: more batches, or points that walks reach",
+                places.iter().flat_map(|p| [p[1], p[3]]),
+                |_| true,
+            )?;
+        }
         for Points { label, bars, .. } in &self.points {
             some("estimates", bars.len())?;
             let (here, within) = (self.interval, "every estimate needs an x inside the interval of the plot");
@@ -174,31 +202,12 @@ impl<'a> Profile<'a> {
         self.curves.iter().map(|(label, f)| (0..=SAMPLES).map(|i| finite(label, at(i), f(at(i)))).collect()).collect()
     }
 
-    /// (x, deviation in standard errors) of every series; `None` without a curve to deviate from.
-    fn deviations(&self) -> Result<Option<Lines>, Error> {
-        if self.curves.is_empty() || self.points.is_empty() {
-            return Ok(None);
-        }
-        let one = |points: &Points, b: &Bar| {
-            let (label, f) = &self.curves[points.curve];
-            let expected = finite(label, b.x, f(b.x))?.1;
-            // an estimate without variance deviates by rounding at most, or infinitely: the latter cannot be drawn
-            let same = (b.value - expected).abs() <= 16.0 * f64::EPSILON * expected.abs();
-            let z = if same { 0.0 } else { (b.value - expected) / b.std_error };
-            if z.is_finite() {
-                return Ok((b.x, z));
-            }
-            let (series, requirement) = (points.label.clone(), "an estimate of standard error 0 lies off the curve");
-            Err(Error::Unplottable { series, quantity: "deviation in standard errors", at: format!("x = {}", b.x), value: z, requirement })
-        };
-        self.points.iter().map(|p| p.bars.iter().map(|b| one(p, b)).collect()).collect::<Result<_, _>>().map(Some)
-    }
-
     fn draw(&self) -> Result<Drawing, Error> {
         self.validate()?;
         let (curves, deviations) = (self.sampled()?, self.deviations()?);
         let x = Axis::linear(&self.x, [self.interval.lower(), self.interval.upper()], 0.025);
         let ends = self.points.iter().flat_map(|p| &p.bars).flat_map(|b| [b.value - b.half_width, b.value + b.half_width]);
+        let ends = ends.chain(self.bands.iter().flat_map(Strip::ends));
         let y = Axis::linear(&self.y, curves.iter().flatten().map(|p| p.1).chain(ends), 0.06);
         let largest = deviations.iter().flatten().flatten().map(|d| d.1.abs()).fold(3.0, f64::max);
         let z = Axis::linear("deviation / σ", [-largest, largest], 0.08);
@@ -225,7 +234,14 @@ impl<'a> Profile<'a> {
             Entry { label: label.into(), colour, line: curve.then_some(look(i).dash), marker: (!curve).then_some(marker) }
         };
         let curves = self.curves.iter().enumerate().map(|(i, (label, _))| entry(i, label, true));
-        curves.chain(self.points.iter().enumerate().map(|(i, p)| entry(self.curves.len() + i, &p.label, false))).collect()
+        let points = self.points.iter().enumerate().map(|(i, p)| entry(self.curves.len() + i, &p.label, false));
+        let strip = |(i, b): (usize, &Strip)| Entry { line: Some(SOLID), ..entry(self.strip(i), &b.label, true) };
+        curves.chain(points).chain(self.bands.iter().enumerate().map(strip)).collect()
+    }
+
+    /// Number of band `i` among all series.
+    fn strip(&self, i: usize) -> usize {
+        self.curves.len() + self.points.len() + i
     }
 
     /// The first curve is dark grey: it is what everything else is compared with.
@@ -244,6 +260,7 @@ impl<'a> Profile<'a> {
 
     fn upper(&self, panel: &Panel, curves: &[Vec<(f64, f64)>], shared: Below, drawing: &mut Drawing) {
         panel.grid(drawing);
+        self.bands.iter().enumerate().for_each(|(i, b)| b.draw(panel, self.look(self.strip(i)).colour, drawing));
         for (i, curve) in curves.iter().enumerate() {
             let places: Vec<_> = curve.iter().map(|p| panel.place(p.0, p.1)).collect();
             drawing.line(&places, self.look(i).colour, 1.8, look(i).dash);
@@ -260,26 +277,7 @@ impl<'a> Profile<'a> {
         }
         panel.axes(drawing, shared);
     }
-
-    fn lower(&self, panel: &Panel, deviations: &[Vec<(f64, f64)>], drawing: &mut Drawing) {
-        panel.grid(drawing);
-        let (from, to) = panel.x.ends();
-        for (z, colour, dash) in [(0.0, INK, SOLID), (NORMAL_95, GREY, DASHED), (-NORMAL_95, GREY, DASHED)] {
-            drawing.line(&[panel.place(from, z), panel.place(to, z)], colour, 1.2, dash);
-        }
-        for (i, series) in deviations.iter().enumerate() {
-            let look = self.look(self.curves.len() + i);
-            for (x, z) in series {
-                let (x, y) = panel.place(*x, *z);
-                drawing.marker(look.marker, (x + self.shift(i), y), 3.6, look.colour);
-            }
-        }
-        panel.axes(drawing, Below::Labels);
-    }
 }
-
-/// 95 % of a normal distribution lies within ± this many standard deviations.
-const NORMAL_95: f64 = 1.96;
 
 /// A point of a curve, if there is one.
 fn finite(series: &str, x: f64, value: f64) -> Result<(f64, f64), Error> {

@@ -1,0 +1,131 @@
+//! Files, right and wrong.
+
+use crate::scene_file;
+use fredholm::scene::load::{gltf, load};
+use fredholm::scene::{Material, Scene, shapes};
+use fredholm::{Error, Walk};
+
+/// plates.gltf with one thing changed.
+fn changed(from: &str, to: &str) -> Result<Scene, Error> {
+    let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
+    assert!(text.contains(from), "{from}");
+    gltf(text.replacen(from, to, 1).as_bytes(), ".").and_then(|l| l.builder.build())
+}
+
+fn problem(result: Result<Scene, Error>) -> String {
+    result.map(|_| ()).unwrap_err().to_string()
+}
+
+#[test]
+fn every_scene_loads() {
+    for (name, triangles) in
+        [("cornell", 38), ("furnace_box", 12), ("furnace_sphere", 1280), ("plates", 4), ("many_lights", 1120), ("ajar_door", 394)]
+    {
+        let loaded = load(scene_file(&format!("{name}.gltf"))).unwrap();
+        assert!(loaded.report.is_empty() && loaded.cameras.len() == 1, "{name}: {}", loaded.report);
+        assert_eq!(loaded.builder.build().unwrap().geometry().primitives(), triangles, "{name}");
+    }
+}
+
+#[test]
+fn hostile_files_are_refused_by_name() {
+    for (from, to, expected) in [
+        ("\"byteLength\": 144", "\"byteLength\": 18446744073709551615", "buffer"),
+        ("\"count\": 4", "\"count\": 4000000000", "accessor 0"),
+        ("\"bufferView\": 0", "\"bufferView\": 77", "Index out of bounds"),
+        ("\"mesh\": 0", "\"mesh\": 9", "Index out of bounds"),
+        ("\"mesh\": 0", "\"mesh\": 0, \"children\": [0]", "node 0: is its own ancestor"),
+        ("\"mesh\": 0", "\"mesh\": 0, \"scale\": [1, 0, 1]", "node 0: its transform cannot be inverted"),
+        ("\"mesh\": 0", "\"mesh\": 0, \"scale\": [1e39, 1, 1]", "node 0: its transform cannot be inverted"),
+        ("\"componentType\": 5125", "\"componentType\": 5126", "no indices"),
+        ("\"type\": \"VEC3\"", "\"type\": \"VEC2\"", "where 3 numbers are needed"),
+        ("\"emissiveStrength\": 1.0", "\"emissiveStrength\": -1.0", "emission"),
+        ("data:application", "data:nothing", "data URI"),
+    ] {
+        let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
+        if !text.contains(from) {
+            panic!("plates.gltf does not say {from}");
+        }
+        let message = match changed(from, to) {
+            Ok(_) => panic!("{to} is accepted"),
+            Err(e) => e.to_string(),
+        };
+        assert!(message.contains(expected), "{to}: {message}");
+    }
+}
+
+#[test]
+fn truncated_files_are_refused() {
+    let text = std::fs::read(scene_file("plates.gltf")).unwrap();
+    for length in [0, 1, 4, 20, text.len() / 2, text.len() - 2] {
+        assert!(matches!(gltf(&text[..length], "."), Err(Error::SceneFile { .. })), "{length}");
+    }
+    assert!(matches!(gltf(b"glTF\x02\0\0\0\xff\xff\xff\xff\xff\xff\xff\xffJSON", "."), Err(Error::SceneFile { .. })));
+    assert!(matches!(load("nowhere.gltf"), Err(Error::Io { .. })));
+    assert!(matches!(load(scene_file("plates_exact.npy")), Err(Error::SceneFile { .. })));
+}
+
+#[test]
+fn what_is_not_used_is_reported() {
+    let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
+    let text = text.replacen("\"doubleSided\"", "\"alphaMode\": \"BLEND\", \"doubleSided\"", 1);
+    let text = text.replacen("\"extensionsUsed\": [", "\"extensionsUsed\": [\"KHR_materials_sheen\", ", 1);
+    let report = gltf(text.as_bytes(), ".").unwrap().report;
+    let entries: Vec<_> = report.entries().collect();
+    assert_eq!(entries, [("blended alpha: the material is opaque", 1), ("extension KHR_materials_sheen", 1)]);
+}
+
+#[test]
+fn wavefront_files_load() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(folder.join("box.mtl"), "newmtl lamp\nKd 0.5 0.5 0.5\nKe 1 2 3\n").unwrap();
+    let obj = "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl lamp\nf 1 2 3 4\n";
+    std::fs::write(folder.join("box.obj"), obj).unwrap();
+    let loaded = load(folder.join("box.obj")).unwrap();
+    assert!(loaded.report.is_empty(), "{}", loaded.report);
+    let scene = loaded.builder.build().unwrap();
+    let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+    assert_eq!(fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, [1.0, 2.0, 3.0]);
+    std::fs::write(folder.join("bad.obj"), "v 0 0 x\nf 1 2 3\n").unwrap();
+    assert!(matches!(load(folder.join("bad.obj")), Err(Error::SceneFile { .. })));
+    std::fs::write(folder.join("far.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 9\n").unwrap();
+    assert!(load(folder.join("far.obj")).is_err());
+}
+
+#[test]
+fn impossible_scenes_are_refused() {
+    let with = |material: Material| {
+        let mut scene = Scene::builder();
+        let id = scene.material(material);
+        scene.mesh(shapes::cuboid([0.0; 3], [1.0; 3]).unwrap(), id).unwrap();
+        scene.build()
+    };
+    for (material, parameter) in [
+        (Material::diffuse([1.1, 0.0, 0.0]), "albedo"),
+        (Material::diffuse([f64::NAN; 3]), "albedo"),
+        (Material::mirror([-0.1; 3]), "reflectance"),
+        (Material::glass(0.0), "index of refraction"),
+        (Material::frosted(1.5, 1.5), "GGX alpha"),
+        (Material::metal([1.0; 3], 0.0), "GGX alpha"),
+        (Material::metallic_roughness([0.5; 3], 2.0, 0.5), "metallic"),
+        (Material::metallic_roughness([0.5; 3], 0.0, f64::NAN), "roughness"),
+        (Material::diffuse([0.5; 3]).emitting([f64::INFINITY; 3]), "emission"),
+    ] {
+        let message = problem(with(material.clone()));
+        assert!(message.starts_with(&format!("invalid {parameter} = ")), "{material:?}: {message}");
+    }
+    let mut scene = Scene::builder();
+    assert!(scene.point_light([0.0, f64::NAN, 0.0], [1.0; 3]).is_err());
+    assert!(scene.directional_light([0.0; 3], [1.0; 3]).is_err());
+}
+
+/// No geometry, no light: a black image, and the verdict says that nothing scored.
+#[test]
+fn nothing_is_black() {
+    use fredholm::scene::Camera;
+    use fredholm::statistics::Verdict;
+    let scene = Scene::builder().build().unwrap();
+    let film = scene.film(Camera::look_at([0.0; 3], [1.0, 0.0, 0.0]), 2, 2);
+    let image = scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(8)).unwrap();
+    assert!(image.pixels().iter().all(|p| p.value.0 == [0.0; 3] && p.verdict() == Verdict::NothingScored));
+}

@@ -1,0 +1,111 @@
+//! Films, images, cameras.
+
+use fredholm::scene::{Camera, Environment, Filter, Material, Scene, shapes};
+use fredholm::{Error, Spectrum, Walk};
+
+/// A sky that is black on the left and white on the right of −z.
+fn two_sided_sky() -> Scene {
+    let mut scene = Scene::builder();
+    scene.environment(Environment::map(2, 1, vec![[0.0; 3], [1.0; 3]]).unwrap());
+    scene.build().unwrap()
+}
+
+#[test]
+fn pixels_lie_where_the_camera_looks() {
+    let scene = two_sided_sky();
+    let film = scene.film(Camera::towards([0.0; 3], [0.0, 0.0, -1.0]), 4, 2);
+    let walk = Walk::collision().samples_per_cell(16);
+    let image = scene.light_transport().seen_by(&film).solve(&walk).unwrap();
+    for y in 0..2 {
+        for x in 0..4 {
+            assert_eq!(image[(x, y)].value, Spectrum([f64::from(u8::from(x >= 2)); 3]), "{x} {y}");
+        }
+    }
+    assert_eq!((image.width(), image.height()), (4, 2));
+}
+
+/// At an edge through the middle of a pixel every filter sees half of each side; beside it each as much as its tail.
+#[test]
+fn filters_blur_edges_as_much_as_they_say() {
+    let scene = two_sided_sky();
+    let camera = Camera::towards([0.0; 3], [0.0, 0.0, -1.0]).field_of_view(1.0);
+    // one pixel beside the edge: the share of the filter beyond ½ of a pixel
+    for (filter, beyond) in [(Filter::Box, 0.0), (Filter::Tent(1.0), 0.125), (Filter::Gaussian(0.5), 0.158_655_254)] {
+        let film = scene.film(camera, 2, 1).filter(filter);
+        let image = scene.light_transport().seen_by(&film).solve(&Walk::collision().samples_per_cell(40_000)).unwrap();
+        assert!(image[(0, 0)].agrees_with(Spectrum([beyond; 3]), 5.0), "{filter:?} {}", image[(0, 0)]);
+        assert!(image[(1, 0)].agrees_with(Spectrum([1.0 - beyond; 3]), 5.0), "{filter:?} {}", image[(1, 0)]);
+    }
+}
+
+/// What is in focus stays where it is; what is not is blurred over the lens.
+#[test]
+fn a_lens_blurs_what_is_out_of_focus() {
+    let mut scene = Scene::builder();
+    let lamp = scene.material(Material::diffuse([0.0; 3]).emitting([1.0; 3]));
+    scene.mesh(shapes::parallelogram([0.0, -9.0, -10.0], [9.0, 0.0, 0.0], [0.0, 18.0, 0.0]).unwrap(), lamp).unwrap();
+    let scene = scene.build().unwrap();
+    let pinhole = Camera::towards([0.0; 3], [0.0, 0.0, -1.0]).field_of_view(20.0);
+    let seen = |camera: Camera| {
+        let film = scene.film(camera, 2, 1);
+        scene.light_transport().seen_by(&film).solve(&Walk::collision().samples_per_cell(4000)).unwrap()[(0, 0)].value[0]
+    };
+    assert_eq!((seen(pinhole), seen(pinhole.lens(1.0, 10.0))), (0.0, 0.0));
+    assert!(seen(pinhole.lens(1.0, 5.0)) > 0.05);
+}
+
+#[test]
+fn images_are_written_and_read() {
+    let scene = two_sided_sky();
+    let film = scene.film(Camera::towards([0.0; 3], [0.0, 0.0, -1.0]), 8, 4);
+    let image = scene.light_transport().seen_by(&film).solve(&Walk::collision().samples_per_cell(4)).unwrap();
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    assert_eq!(image.write_png(folder.join("sky.png")).unwrap(), 0);
+    assert_eq!(image.map(|p| Spectrum(p.value.0.map(|v| 2.0 * v))).write_png(folder.join("sky2.png")).unwrap(), 16);
+    image.write_exr(folder.join("sky.exr")).unwrap();
+    // the file is an environment again, white on the right
+    let sky = Environment::read_exr(folder.join("sky.exr")).unwrap();
+    assert_eq!(sky.radiance([0.9, 0.0, -0.1]), Spectrum([1.0; 3]));
+    assert_eq!(sky.radiance([-0.9, 0.0, -0.1]), Spectrum([0.0; 3]));
+    assert!(matches!(image.write_png("/nowhere/x.png"), Err(Error::Io { .. })));
+    assert!(matches!(Environment::read_exr("/nowhere/x.exr"), Err(Error::Io { .. })));
+}
+
+/// Rounds begin with 16 walks a pixel, and end with the bits of one run.
+#[test]
+fn images_come_in_rounds() {
+    let mut scene = Scene::builder();
+    let wall = scene.material(Material::diffuse([0.5; 3]).emitting([1.0; 3]));
+    scene.mesh(shapes::room([-1.0; 3], [1.0; 3]).unwrap(), wall).unwrap();
+    let scene = scene.build().unwrap();
+    let film = scene.film(Camera::look_at([0.0; 3], [1.0, 0.2, 0.3]), 40, 30);
+    let (equation, walk) = (scene.light_transport(), Walk::mis().samples_per_cell(40));
+    let query = equation.seen_by(&film);
+    let rounds: Vec<_> = query.rounds(&walk).unwrap().map(Result::unwrap).collect();
+    assert_eq!(rounds.iter().map(|r| r.samples).collect::<Vec<_>>(), [16, 32, 40]);
+    let whole = query.solve(&walk).unwrap();
+    assert!(rounds[2].estimates.pixels().iter().zip(whole.pixels()).all(|(a, b)| a.moments == b.moments));
+    assert!(rounds[0].estimates.relative_error() > rounds[2].estimates.relative_error());
+}
+
+#[test]
+fn absurd_films_are_refused() {
+    let scene = two_sided_sky();
+    let camera = Camera::towards([0.0; 3], [0.0, 0.0, -1.0]);
+    let parameter = |camera: Camera, width: usize, height: usize, filter: Filter| {
+        let film = scene.film(camera, width, height).filter(filter);
+        match scene.light_transport().seen_by(&film).solve(&Walk::collision()) {
+            Err(Error::Invalid { parameter, .. }) => parameter,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(parameter(camera, 0, 4, Filter::Box), "image width");
+    assert_eq!(parameter(camera, 4, 0, Filter::Box), "image height");
+    assert_eq!(parameter(camera, usize::MAX, usize::MAX, Filter::Box), "number of pixels");
+    assert_eq!(parameter(camera, 4, 4, Filter::Tent(0.0)), "width of the filter");
+    assert_eq!(parameter(camera.field_of_view(180.0), 4, 4, Filter::Box), "field of view");
+    assert_eq!(parameter(camera.up([0.0, 0.0, 2.0]), 4, 4, Filter::Box), "sine between the camera's direction and up");
+    assert_eq!(parameter(Camera::towards([f64::NAN; 3], [1.0, 0.0, 0.0]), 4, 4, Filter::Box), "coordinate of the camera");
+    assert_eq!(parameter(camera.lens(-1.0, 1.0), 4, 4, Filter::Box), "lens radius");
+    assert_eq!(parameter(camera.lens(1.0, 0.0), 4, 4, Filter::Box), "focus distance");
+}
