@@ -9,7 +9,7 @@
 //! target/release/examples/peers lu 1000 2000                 a dense system: assembly, factorisation, condition number, solution
 //! target/release/examples/peers rng 20000000                 uniforms, Sobol' and other points by the number
 //! target/release/examples/peers render tests/data/scenes/cornell.gltf 64 1 1 out.f32      a scene at 64 × 64, 64 walks a pixel
-//! target/release/examples/peers qmc                          discrepancies and integration errors of point sets
+//! target/release/examples/peers qmc 32                       discrepancies and integration errors of point sets, over 32 randomisations
 //! target/release/examples/peers rays folder cornell 5        closest and any hits a second, single and two threads; JSON lines
 //! ```
 //!
@@ -49,7 +49,7 @@ pub(crate) fn timed<T>(repetitions: usize, mut run: impl FnMut() -> Result<T, Er
 }
 
 const USAGE: &str = "usage: peers toy A|B pcg64 WALKS REPETITIONS THREADS | peers slab HISTORIES REPETITIONS THREADS | peers determ KEY | \
-                     peers lu|matvec|assemble N… | peers rng COUNT | peers qmc | peers rays FOLDER SCENE REPETITIONS | \
+                     peers lu|matvec|assemble N… | peers rng COUNT | peers qmc RANDOMISATIONS | peers rays FOLDER SCENE REPETITIONS | \
                      peers render SCENE.gltf SAMPLES SEED THREADS OUT.f32";
 
 fn count<T: std::str::FromStr + PartialOrd + From<u8>>(argument: &str) -> Result<T, String> {
@@ -83,7 +83,7 @@ fn answer(arguments: &[&str]) -> Result<(), String> {
             let seed = seed.parse().map_err(|_| format!("'{seed}' is not a seed"))?;
             on_threads(threads, || render::render(file, samples, seed, out))
         }
-        ["qmc"] => qmc::qmc().map_err(|e| e.to_string()),
+        ["qmc", randomisations] => qmc::qmc(count(randomisations)?).map_err(|e| e.to_string()),
         ["rays", folder, scene, repetitions] => rays::rays(folder, scene, count(repetitions)?),
         _ => Err(USAGE.to_string()),
     }

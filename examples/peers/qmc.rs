@@ -3,8 +3,6 @@
 use fredholm::Error;
 use fredholm::sampling::{Halton, LatinHypercube, PointSet, Sequence, Sobol};
 
-const RANDOMISATIONS: u64 = 32;
-
 /// Prints name, dimension, points, and one number: the root mean square of `measure` over randomisations.
 fn row(name: &str, dimension: usize, points: u64, what: &str, sets: &[PointSet], measure: impl Fn(&PointSet) -> f64) {
     let square = sets.iter().map(|set| measure(set).powi(2)).sum::<f64>() / sets.len() as f64;
@@ -21,10 +19,10 @@ fn corner(x: &[f64]) -> f64 {
     f64::from(x.iter().sum::<f64>() < 0.5 * x.len() as f64) - 0.5
 }
 
-fn measure<Q: Sequence>(name: &str, sequence: impl Fn(u64) -> Result<Q, Error>) -> Result<(), Error> {
+fn measure<Q: Sequence>(name: &str, randomisations: u64, sequence: impl Fn(u64) -> Result<Q, Error>) -> Result<(), Error> {
     for (dimension, points) in [(2, 256), (2, 1024), (2, 4096), (4, 1024), (8, 1024), (8, 4096)] {
         let draw = |seed| PointSet::draw(&sequence(points)?.with_seed(seed), dimension, points);
-        let sets = (0..RANDOMISATIONS).map(draw).collect::<Result<Vec<_>, _>>()?;
+        let sets = (0..randomisations).map(draw).collect::<Result<Vec<_>, _>>()?;
         row(name, dimension, points, "centred L2", &sets, PointSet::centred_l2);
         row(name, dimension, points, "L2 star", &sets, PointSet::l2_star);
         let error = |f: fn(&[f64]) -> f64| move |set: &PointSet| set.iter().map(f).sum::<f64>() / points as f64;
@@ -34,8 +32,8 @@ fn measure<Q: Sequence>(name: &str, sequence: impl Fn(u64) -> Result<Q, Error>) 
     Ok(())
 }
 
-pub(crate) fn qmc() -> Result<(), Error> {
-    measure("Sobol", |_| Ok(Sobol::new(0)))?;
-    measure("Halton", |_| Ok(Halton::new(0)))?;
-    measure("Latin hypercube", LatinHypercube::new)
+pub(crate) fn qmc(randomisations: u64) -> Result<(), Error> {
+    measure("Sobol", randomisations, |_| Ok(Sobol::new(0)))?;
+    measure("Halton", randomisations, |_| Ok(Halton::new(0)))?;
+    measure("Latin hypercube", randomisations, LatinHypercube::new)
 }
