@@ -81,7 +81,7 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
 
     /// One side of x: distances from `nearest` to `farthest`.
     pub(super) fn side(&mut self, sign: f64, nearest: f64, farthest: f64) -> Result<(), Error> {
-        let smallest = self.target.resolved.max(SMALLEST_PIECE * (self.panel.1 - self.panel.0));
+        let smallest = self.target.resolved.max(SMALLEST_PIECE * (self.panel.1 - self.panel.0).min(self.target.scale));
         let stop = nearest.max(smallest);
         let mut outer = farthest;
         let mut halvings = 0;
@@ -178,10 +178,13 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         let t = self.target.t;
         // within 8s of the domain's end the other side must serve
         let reach = if self.target.reaches(sign, 8.0 * s) { sign } else { -sign };
-        let masses = [self.mass(reach, s, 2.0 * s)?, self.mass(reach, 2.0 * s, 4.0 * s)?, self.mass(reach, 4.0 * s, 8.0 * s)?];
+        let mut masses = vec![self.mass(reach, s, 2.0 * s)?, self.mass(reach, 2.0 * s, 4.0 * s)?, self.mass(reach, 4.0 * s, 8.0 * s)?];
+        if self.target.reaches(reach, 16.0 * s) && 16.0 * s < self.target.scale {
+            masses.push(self.mass(reach, 8.0 * s, 16.0 * s)?);
+        }
         for e in 0..masses[0].len() {
-            let means: [f64; 3] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
-            let (whole, power) = below(means).map_err(|ratio| Error::NotIntegrable { x: format!("{:?}", self.target.x), ratio })?;
+            let means: Vec<f64> = masses.iter().enumerate().map(|(k, mass)| mass[e] / (s * (1 << k) as f64)).collect();
+            let (whole, power) = below(&means).map_err(|ratio| self.not_integrable(ratio))?;
             let share = (farthest / s).powf(power) - (nearest / s).powf(power);
             // centre of the mass r^{power − 1} dr: a straight line is integrated exactly
             let centre = nearest + (farthest - nearest) * power / (1.0 + power);
@@ -189,6 +192,14 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
             self.values.iter().enumerate().for_each(|(l, v)| self.moments[l * masses[0].len() + e] += s * whole * share * v);
         }
         Ok(())
+    }
+
+    fn not_integrable(&self, ratio: f64) -> Error {
+        let x = format!("{:?}", self.target.x);
+        match self.target.end {
+            Some(_) => Error::NotIntegrableAtEnd { x, end: format!("{:?}", self.target.centre), ratio },
+            None => Error::NotIntegrable { x, ratio },
+        }
     }
 
     /// Whether ∫ K over distances below s may be extrapolated: from [2s, 16s] it must come out as from [s, 8s], up to a share of what there is of K on the
@@ -204,7 +215,7 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         let c2 = masses[0].len();
         for (e, panel) in self.integrals.iter().enumerate().take(c2) {
             let means: [f64; 4] = std::array::from_fn(|k| masses[k][e] / (s * (1 << k) as f64));
-            let (Ok((inner, _)), Ok((outer, _))) = (below([means[0], means[1], means[2]]), below([means[1], means[2], means[3]])) else {
+            let (Ok((inner, _)), Ok((outer, _))) = (below(&means[..3]), below(&means[1..])) else {
                 return Ok(false);
             };
             if !(s * (2.0 * outer - inner - means[0]).abs() <= EXTRAPOLATED * panel.abs()) {
