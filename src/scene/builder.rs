@@ -2,7 +2,7 @@
 
 use super::frame::Vec3;
 use super::geometry::{Geometry, Mesh, Shape, Sphere};
-use super::light::{Lights, Local, Remote, SphereLight, TriangleLight};
+use super::light::{Births, Lights, Local, Remote, SphereLight, TriangleLight};
 use super::material::{Bsdf, Law, Material};
 use super::{Detail, Environment, Facet, FacetShape, Inner, NONE, Rgb, Scene};
 use crate::error::Error;
@@ -154,8 +154,26 @@ impl SceneBuilder {
         lights.extend(points.into_iter().map(|(at, intensity)| (Local::Point(at, intensity), 4.0 * PI * intensity.magnitude())));
         let remote = directions.into_iter().map(|(d, e)| Remote::Direction(d, e));
         let remote = remote.chain(environment.is_some().then_some(Remote::Environment)).collect();
-        Ok(Scene(Arc::new(Inner { geometry, facets, details, materials, lights: Lights::new(lights, remote), environment })))
+        let power: Vec<f64> = lights.iter().map(|(_, power)| *power).collect();
+        let lights = Lights::new(lights, remote);
+        let births = Births::new(&lights, &power, environment.as_ref(), ball(&shapes));
+        Ok(Scene(Arc::new(Inner { geometry, facets, details, materials, lights, births, environment })))
     }
+}
+
+/// Centre and radius of a ball around all shapes, a little larger so that rounding leaves nothing outside.
+fn ball(shapes: &[(Shape, MaterialId, Attributes)]) -> (Vec3, f64) {
+    let boxes = || {
+        shapes.iter().flat_map(|(shape, ..)| match shape {
+            Shape::Mesh(mesh) => mesh.vertices().iter().map(|v| (Vec3::from(*v), 0.0)).collect(),
+            Shape::Sphere(sphere) => vec![(Vec3::from(sphere.centre()), sphere.radius())],
+        })
+    };
+    let far = Vec3::repeat(f64::INFINITY);
+    let (low, high) = boxes().fold((far, -far), |(l, h), (p, r)| (l.inf(&(p - Vec3::repeat(r))), h.sup(&(p + Vec3::repeat(r)))));
+    let centre = (low + high) / 2.0;
+    let radius = boxes().fold(0.0, |m: f64, (p, r)| m.max((p - centre).norm() + r));
+    if radius > 0.0 { (centre, radius * (1.0 + 1e-6)) } else { (Vec3::zeros(), 1.0) }
 }
 
 /// What shapes are turned into.

@@ -86,6 +86,7 @@ impl Camera {
         let corner = forward - right * (half * width as f64 / height as f64) + up * half;
         View {
             eye: self.eye,
+            forward,
             corner,
             right: right * pixel,
             down: -up * pixel,
@@ -99,6 +100,7 @@ impl Camera {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     eye: Vec3,
+    forward: Vec3,
     corner: Vec3,
     /// one pixel
     right: Vec3,
@@ -119,9 +121,44 @@ impl View {
     #[inline]
     pub(crate) fn thin_lens(&self, [x, y]: [f64; 2], u: [f64; 2]) -> (Ray, Vec3) {
         let sharp = self.eye + (self.corner + self.right * x + self.down * y) * self.focus;
-        let [a, b] = UniformDisk.sample(u);
-        let from = self.eye + self.lens[0] * a + self.lens[1] * b;
+        let from = self.lens_point(u);
         let direction = (sharp - from).normalize();
         (Ray::new(from.into(), direction.into()), direction)
+    }
+
+    /// The pinhole, or the middle of the lens.
+    #[inline]
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.eye
+    }
+
+    /// A point of the lens, uniform.
+    #[inline]
+    pub(crate) fn lens_point(&self, u: [f64; 2]) -> Vec3 {
+        let [a, b] = UniformDisk.sample(u);
+        self.eye + self.lens[0] * a + self.lens[1] * b
+    }
+
+    /// Where light that leaves p meets the lens.
+    #[inline]
+    pub(crate) fn lens_along(&self, p: &Vec3, direction: &Vec3) -> Vec3 {
+        if self.lens == [Vec3::zeros(); 2] {
+            return self.eye;
+        }
+        p + direction * ((self.eye - p).dot(&self.forward) / direction.dot(&self.forward))
+    }
+
+    /// The pixel coordinates that `from`, a point of the lens, sees in a direction, and their density per solid angle.
+    #[inline]
+    pub(crate) fn project(&self, from: &Vec3, direction: &Vec3) -> Option<([f64; 2], f64)> {
+        let cosine = direction.dot(&self.forward);
+        if !(cosine > 0.0) {
+            return None;
+        }
+        // from the corner of the image plane at distance 1
+        let plane = (from - self.eye) / self.focus + direction / cosine - self.corner;
+        let area = self.right.norm_squared();
+        let at = [self.right, self.down].map(|axis| plane.dot(&axis) / area);
+        Some((at, 1.0 / (area * cosine * cosine * cosine)))
     }
 }

@@ -7,7 +7,7 @@
 //! Rays are drawn ∝ h, so that walks start with weight 1.
 
 use super::camera::View;
-use super::{Camera, Image, Scene, State};
+use super::{Camera, Image, Place, Scene, State};
 use crate::detector::{Detector, Start};
 use crate::error::Error;
 use crate::sampling::Sampler;
@@ -56,12 +56,12 @@ impl Filter {
 #[derive(Clone, Debug)]
 #[must_use]
 pub struct Film {
-    scene: Scene,
-    camera: Camera,
-    view: View,
-    width: usize,
-    height: usize,
-    filter: Filter,
+    pub(super) scene: Scene,
+    pub(super) camera: Camera,
+    pub(super) view: View,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) filter: Filter,
 }
 
 /// Images beyond this many pixels are refused: an estimate takes some hundred bytes.
@@ -103,7 +103,12 @@ impl Detector for Film {
         let [x, y] = self.filter.sample(u.next_2d());
         let at = [(cell % self.width) as f64 + 0.5 + x, (cell / self.width) as f64 + 0.5 + y];
         let (ray, direction) = if self.camera.has_lens() { self.view.thin_lens(at, u.next_2d()) } else { self.view.pinhole(at) };
-        Start { point: self.scene.0.trace(&ray, &direction), weight: 1.0 }
+        let mut point = self.scene.0.trace(&ray, &direction);
+        if point.place() == Place::Environment {
+            // which point of the lens looks there
+            point.position = ray.origin;
+        }
+        Start { point, weight: 1.0 }
     }
 
     fn norm(&self) -> Option<f64> {

@@ -31,11 +31,11 @@ use std::sync::Arc;
 
 /// The source Lₑ: what surfaces, environment and lights without extent emit.
 #[derive(Clone, Debug)]
-pub struct Emission(Arc<Inner>, Option<Arc<Counters>>);
+pub struct Emission(pub(super) Arc<Inner>, Option<Arc<Counters>>);
 
 /// The kernel K: one reflection or refraction, and the flight to the next surface.
 #[derive(Clone, Debug)]
-pub struct LightTransport(Arc<Inner>, Option<Arc<Counters>>);
+pub struct LightTransport(pub(super) Arc<Inner>, Option<Arc<Counters>>);
 
 impl Scene {
     /// The equation of light in this scene.
@@ -50,25 +50,25 @@ impl Scene {
 }
 
 /// The scattering law at a state.
-struct Local {
-    bsdf: Bsdf,
-    outgoing: Vec3,
+pub(super) struct Local {
+    pub(super) bsdf: Bsdf,
+    pub(super) outgoing: Vec3,
     /// true unit normal; on opaque surfaces on the side of ωₒ
-    normal: Vec3,
+    pub(super) normal: Vec3,
     /// the one to shade with
-    smooth: Vec3,
+    pub(super) smooth: Vec3,
 }
 
 impl Local {
     /// Whether ωᵢ is on the same side of the interpolated normal and of the true one: light on no other way.
     #[inline]
-    fn agree(&self, wi: &Vec3) -> bool {
+    pub(super) fn agree(&self, wi: &Vec3) -> bool {
         self.smooth.dot(wi) * self.normal.dot(wi) > 0.0
     }
 
     /// f |cos θᵢ|.
     #[inline]
-    fn value(&self, wi: &Vec3) -> Rgb {
+    pub(super) fn value(&self, wi: &Vec3) -> Rgb {
         match self.bsdf {
             _ if !self.agree(wi) => Rgb::ZERO,
             // no frame is needed for the most frequent law
@@ -82,7 +82,7 @@ impl Local {
 
     /// pdf(ωᵢ).
     #[inline]
-    fn density(&self, wi: &Vec3) -> f64 {
+    pub(super) fn density(&self, wi: &Vec3) -> f64 {
         match self.bsdf {
             _ if !self.agree(wi) => 0.0,
             Bsdf::Lambertian { .. } => self.smooth.dot(wi).max(0.0) * FRAC_1_PI,
@@ -95,15 +95,15 @@ impl Local {
 }
 
 /// From x to y: the direction, and dω/dμ = |cos θ_y|/r².
-struct Connection {
-    direction: Vec3,
-    solid_angle: f64,
+pub(super) struct Connection {
+    pub(super) direction: Vec3,
+    pub(super) solid_angle: f64,
 }
 
 impl Inner {
     /// How x scatters; `None` where nothing does: outside, on black backs.
     #[inline]
-    fn local(&self, x: &State) -> Option<Local> {
+    pub(super) fn local(&self, x: &State) -> Option<Local> {
         let Place::Surface(primitive) = x.place else { return None };
         let facet = &self.facets[primitive as usize];
         let material = &self.materials[facet.material as usize];
@@ -123,7 +123,7 @@ impl Inner {
     }
 
     #[inline]
-    fn connection(&self, x: &State, y: &State) -> Option<Connection> {
+    pub(super) fn connection(&self, x: &State, y: &State) -> Option<Connection> {
         let outwards = || -Vec3::from(y.outgoing);
         let across = || {
             let d = Vec3::from(y.position) - Vec3::from(x.position);
@@ -160,7 +160,7 @@ impl Inner {
 
     /// A point of a primitive with the rounding error of its position.
     #[inline]
-    fn surface(&self, primitive: u32, x: &State) -> Surface {
+    pub(super) fn surface(&self, primitive: u32, x: &State) -> Surface {
         let facet = &self.facets[primitive as usize];
         let (u, v) = (f64::from(x.u), f64::from(x.v));
         Surface { position: x.position, error: facet.error, normal: facet.normal(x).into(), primitive, u, v }

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`Scene`] | surfaces with materials, and lights; [`Scene::light_transport`] is its equation |
 //! | [`LightTransport`], [`Emission`] | the kernel and the source: `Walk::mis()` on them *is* the path tracer |
+//! | [`LightTracing`], [`Photon`] | the adjoint kernel and its states: [`Forward::new`](crate::Forward::new) is the light tracer, [`Bidirectional`](crate::Bidirectional) both |
 //! | [`Camera`], [`Film`] | the detector: a cell is a pixel |
 //! | [`Image`] | the answer: an estimate for every pixel; PNG, EXR |
 //! | [`Material`], [`Bsdf`] | how surfaces scatter |
@@ -37,10 +38,13 @@ mod film;
 mod frame;
 pub mod geometry;
 mod image;
+mod importance;
 mod light;
+mod light_tracing;
 mod light_transport;
 pub mod load;
 mod material;
+mod photon;
 mod picture;
 mod radiosity;
 pub mod shapes;
@@ -54,9 +58,11 @@ pub use counters::Counters;
 pub use film::{Film, Filter};
 pub use image::Image;
 pub use light::Environment;
+pub use light_tracing::LightTracing;
 pub use light_transport::{Emission, LightTransport};
 pub use load::load;
 pub use material::{Bsdf, Material, MetallicRoughness, Scattered, Sides, Textures};
+pub use photon::Photon;
 pub use radiosity::{Patches, Radiosity};
 pub use state::{Place, State};
 pub use texture::Texture;
@@ -64,7 +70,7 @@ pub use texture::Texture;
 use crate::value::Spectrum;
 use frame::Vec3;
 use geometry::{Geometry, Hit, Ray, Shape};
-use light::Lights;
+use light::{Births, Lights};
 use std::fmt;
 use std::sync::Arc;
 
@@ -84,6 +90,7 @@ struct Inner {
     details: Vec<Detail>,
     materials: Vec<Material>,
     lights: Lights,
+    births: Births,
     environment: Option<Environment>,
 }
 

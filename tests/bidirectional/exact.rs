@@ -139,10 +139,10 @@ impl HasAdjoint for Chain {
 struct Ends;
 
 const G: [f64; 3] = [0.5, 0.0, 1.5];
-const H: [f64; 3] = [1.0, 0.3, 0.2];
+const H: [f64; 3] = [1.0, 0.0, 0.2];
 /// starts and births by outcome
 const STARTS: [usize; 3] = [0, 1, 2];
-const BIRTHS: [usize; 3] = [2, 0, 2];
+const BIRTHS: [usize; 3] = [2, 0, 1];
 
 fn share(table: [usize; 3], x: usize) -> f64 {
     table.iter().filter(|y| **y == x).count() as f64 / 3.0
@@ -254,7 +254,7 @@ fn every_strategy_alone_finds_the_matrix_element() {
     let eq = Equation::new(Ends, chain);
     let query = eq.seen_by(&Ends);
     for m in 0..=2u64 {
-        // births never begin at 1, where g = 0, and forward walks never go from 0 to 2: K₂₀ ≠ 0 is found backward only
+        // forward walks never go from 0 to 2: K₂₀ ≠ 0 is found backward only
         let truth = element(H, |i, j| chain.total(i, j), G, m as usize);
         for s in 0..=1 {
             let walks = Bidirectional::new().endings(Certain(1), Certain(2)).strategies(Strategies::One { s, t: m + 1 - s });
@@ -303,8 +303,8 @@ fn weights_add_up_to_one_along_every_path() {
                     let light: Vec<usize> = light.iter().rev().copied().collect();
                     let (Some(back), Some(forth)) = (decisions(&chain, eye), decisions(&adjoint, &light)) else { continue };
                     let place = |table: [usize; 3], x: Option<&usize>| x.and_then(|x| table.iter().position(|y| y == x));
-                    // a walk of no vertices is one that starts where it does not matter: at a place of its own, and ends
-                    let (Some(start), Some(birth)) = (place(STARTS, eye.first().or(Some(&0))), place(BIRTHS, light.first().or(Some(&0))))
+                    // for a walk of no vertices, one that starts and ends at 1, where g = h = 0: nothing joined with it scores
+                    let (Some(start), Some(birth)) = (place(STARTS, eye.first().or(Some(&1))), place(BIRTHS, light.first().or(Some(&1))))
                     else {
                         continue;
                     };
@@ -321,7 +321,7 @@ fn weights_add_up_to_one_along_every_path() {
                 assert!(found == 0 || (sum - 1.0).abs() < 1e-12, "mirror {mirror}, {heuristic:?}, {path:?}: Σw = {sum} of {found}");
                 seen += found;
             }
-            assert!(seen > 20, "{seen}");
+            assert!(seen >= 8, "{seen}");
         }
     }
 }

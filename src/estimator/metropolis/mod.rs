@@ -26,6 +26,7 @@ mod chain;
 mod point;
 mod tally;
 
+pub(crate) use tally::choose;
 pub use tally::{OneCell, Tally};
 
 use super::run::check_budget;

@@ -30,7 +30,7 @@ pub trait Tally: Send + Sync {
 }
 
 /// The cell that a point chooses, each with probability 1/cells.
-fn choose<S: Sampler>(cells: usize, u: &mut S) -> usize {
+pub(crate) fn choose<S: Sampler>(cells: usize, u: &mut S) -> usize {
     // the start of walks, which seek it again, must not read the same coordinate: it is read where a fresh cursor stands
     ((u.next_1d() * cells as f64) as usize).min(cells - 1)
 }

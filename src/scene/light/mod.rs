@@ -4,11 +4,13 @@
 //! [`Environment`] or a direction, is chosen with the same probability as the tree. Densities are with respect to the measure of the states: area
 //! on surfaces, solid angle on the environment, counting on lights without extent.
 
+mod births;
 mod environment;
 mod sphere;
 mod tree;
 mod triangle;
 
+pub(crate) use births::Births;
 pub use environment::Environment;
 pub(crate) use sphere::SphereLight;
 pub(crate) use triangle::TriangleLight;

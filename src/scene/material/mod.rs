@@ -164,6 +164,18 @@ impl Bsdf {
         }
     }
 
+    /// (nᵢ/nₒ)², by which light that is refracted from ωᵢ to ωₒ multiplies beside what reciprocity says: the unknown is L/n².
+    #[inline]
+    pub(crate) fn adjoint_factor(&self, wi: &Vec3, wo: &Vec3) -> f64 {
+        match self {
+            Bsdf::Dielectric { index, .. } | Bsdf::RoughDielectric { index, .. } if wi.z * wo.z < 0.0 => {
+                let ratio = if wi.z > 0.0 { 1.0 / index } else { *index };
+                ratio * ratio
+            }
+            _ => 1.0,
+        }
+    }
+
     /// Whether only Dirac parts scatter: no other point of the scene can then be connected to this one.
     #[inline]
     #[must_use]

@@ -28,7 +28,8 @@ pub enum Beyond<'a, Own, Other> {
     note = "bidirectional estimators evaluate K(x, z) between their ends: implement `Kernel`, or `walk::Connect` where the states of both directions differ"
 )]
 pub trait Connect<A: Operator>: Operator {
-    /// Whether the state that a walk is turned into depends on where it came from.
+    /// Whether the state that a walk is turned into depends on where it came from. Dirac parts of the kernel then belong to places (a mirror turns
+    /// every edge that meets it into one that nothing else can find), otherwise to edges.
     const LOOKS_BEYOND: bool;
 
     /// The weight of the edge from x, where a backward walk ends, to z, where a forward walk ends; 0 where neither sees the other.

@@ -1,9 +1,8 @@
 //! Why a pair of walks has no finite score.
 
-use super::Connect;
 use super::pair::{Memory, PairEstimator};
 use super::path::Fault;
-use crate::detector::StartPdf;
+use super::{Connect, Meet};
 use crate::error::Error;
 use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
 use crate::source::EmitPdf;
@@ -15,7 +14,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
     E: Ending<K>,
     F: Ending<K::Adjoint>,
 {
@@ -46,7 +45,7 @@ where
             if !weight.entries_finite() {
                 return Some(Error::Overflow { cell, walk, vertex: n as u64, at, weight: format!("{weight:?}") });
             }
-            if v.pdf.is_nan() {
+            if v.rarity.is_nan() {
                 let x = format!("{:?}", memory.eye[n.saturating_sub(1)].state);
                 return Some(Error::UnstatedDensity { x, y: at, needed_by: NEEDED_BY });
             }
@@ -67,7 +66,7 @@ where
             if !value.all_finite() {
                 return Some(Error::Overflow { cell, walk, vertex: n as u64, at, weight: format!("{value:?}") });
             }
-            if v.pdf.is_nan() {
+            if v.rarity.is_nan() {
                 let x = format!("{:?}", memory.light[n.saturating_sub(1)].state);
                 return Some(Error::UnstatedDensity { x, y: at, needed_by: NEEDED_BY });
             }

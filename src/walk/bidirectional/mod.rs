@@ -11,23 +11,29 @@
 //! unbiased. The survival probability belongs in π and π*, at the place and in the direction of travel. Strategies whose joining edge would be a Dirac part
 //! have weight 0: the others carry it. All vertices are joined, however long the walks.
 //!
+//! Forward walks that end at one of many cells score there, whatever cell the backward walk of their pair started from.
+//!
 //! Wins where neither end is easy to find: small sources seen by small detectors through a peaked kernel. Costs a kernel evaluation for every pair of
 //! vertices; where one direction is good everywhere, that direction alone is cheaper. Reference: Veach, Guibas, *Bidirectional estimators for light
 //! transport* (1994); Lafortune, Willems, *Bi-directional path tracing* (1993); Georgiev, *Implementing vertex connection and merging* (2012), for the recursion.
 
 mod connect;
 mod fault;
+mod meet;
 mod pair;
 mod path;
+mod shared;
 mod table;
+mod tally;
 mod weights;
 
 pub use connect::{Beyond, Connect};
+pub use meet::{Meet, Met};
 pub use pair::{PairEstimator, PairMemory};
 pub use table::Strategy;
+pub use tally::SharedPairs;
 
 use super::{Ending, Heuristic, Roulette, Walk};
-use crate::detector::StartPdf;
 use crate::equation::{Equation, Method, Query};
 use crate::error::Error;
 use crate::estimator::{estimate, score_block};
@@ -185,7 +191,7 @@ impl<E: Copy, F: Copy, Q: Sequence> Bidirectional<E, F, Q> {
         G: EmitPdf,
         K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Operator<Point = G::Point>,
         K::Weight: Weight<Value = G::Value>,
-        D: StartPdf<Point = G::Point>,
+        D: Meet<G::State, G::Value, Point = G::Point>,
         E: Ending<K>,
         F: Ending<K::Adjoint>,
     {
@@ -203,7 +209,7 @@ impl<E: Copy, F: Copy, Q: Sequence> Bidirectional<E, F, Q> {
         walk.ending(self.forward).budgeted(equation, &adjoint, || None)?;
         let endings = (self.backward, self.forward);
         let (heuristic, strategies, max_steps) = (self.heuristic, self.strategies, self.max_steps);
-        Ok(PairEstimator { equation, adjoint, detector, endings, heuristic, strategies, max_steps })
+        Ok(PairEstimator { equation, adjoint, detector, endings, heuristic, strategies, share: 1, max_steps })
     }
 }
 
@@ -212,7 +218,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
 {
     /// Pairs of walks as an unbiased [`Estimator`](crate::estimator::Estimator): to be combined strategy by strategy, or driven by
     /// [`Metropolis`](crate::estimator::Metropolis). Sequence and budget are left behind.
@@ -237,12 +243,16 @@ where
     E: Ending<K>,
     F: Ending<K::Adjoint>,
     Q: Sequence,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
 {
     type Solution = D::Answer<Estimate<G::Value>>;
 
     fn solve(&self, equation: &Equation<G, K>, detector: &D) -> Result<Self::Solution, Error> {
-        let pairs = self.bind(equation, detector)?;
+        let mut pairs = self.bind(equation, detector)?;
+        if D::EXTENDED && detector.cells() > 1 {
+            pairs.share = detector.cells() as u64;
+            return Ok(detector.answer(pairs.all_cells(&self.sequence, self.samples)?));
+        }
         let cell = |cell: usize| {
             estimate(self.sequence.replicates(), self.samples, &|replicate, indices| {
                 score_block(&pairs, &self.sequence, cell, (cell as u64, replicate), indices)

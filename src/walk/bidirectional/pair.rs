@@ -6,8 +6,7 @@
 
 use super::path::{Fault, Matrix, Vertex, survival_at, walk};
 use super::weights::{Side, accumulate, weight};
-use super::{Beyond, Connect, Strategies};
-use crate::detector::StartPdf;
+use super::{Beyond, Connect, Meet, Met, Strategies};
 use crate::equation::Equation;
 use crate::error::Error;
 use crate::estimator::{Estimator, Score};
@@ -25,6 +24,8 @@ pub(super) struct Joined<V> {
     pub(super) s: usize,
     /// Vertices from the detector.
     pub(super) t: usize,
+    /// where it scores
+    pub(super) cell: usize,
     pub(super) contribution: V,
     pub(super) weight: f64,
 }
@@ -59,6 +60,8 @@ pub struct PairEstimator<'a, G, K: HasAdjoint, D, E, F> {
     pub(super) endings: (E, F),
     pub(super) heuristic: Heuristic,
     pub(super) strategies: Strategies,
+    /// forward walks that may end at a cell, for each backward walk that starts there: with several, they score wherever they end
+    pub(super) share: u64,
     pub(super) max_steps: u64,
 }
 
@@ -71,7 +74,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
     E: Ending<K>,
     F: Ending<K::Adjoint>,
 {
@@ -82,7 +85,7 @@ where
         u.seek(0, Purpose::Start);
         let start = self.detector.start(cell, u);
         let load = Matrix { weight: K::Weight::ONE.scaled(start.weight), start: start.weight.abs() };
-        let pdf = self.detector.start_pdf(cell, &start.point);
+        let pdf = self.detector.start_pdf(cell, &start.point) / self.share as f64;
         let driver = Driver { kernel, ending: &self.endings.0, max_steps: self.max_steps };
         let (back, fault) = walk(&driver, (start.point, load, pdf), (u, 0), eye, ranks);
         // nothing else reads the first vertex's next event
@@ -102,11 +105,16 @@ where
         let ahead = 1 + usize::from(K::LOOKS_BEYOND);
         for i in 0..eye.len().saturating_sub(ahead) {
             let from = eye.get(i + 2).map_or(Beyond::Start, |v| Beyond::Own(&v.state));
-            eye[i].reverse = self.eye_reverse(&eye[i], &eye[i + 1], from);
+            eye[i].reverse = self.eye_reverse(&eye[i], &eye[i + 1], eye[i + ahead].regular, from);
         }
         for j in 0..light.len().saturating_sub(ahead) {
             let from = light.get(j + 2).map_or(Beyond::Start, |v| Beyond::Own(&v.state));
-            light[j].reverse = self.light_reverse(&light[j], &light[j + 1], from);
+            let x = self.equation.kernel().backward(&light[j + 1].state, from);
+            light[j].reverse = self.light_reverse(&light[j], &light[j + 1], light[j + ahead].regular, &x);
+        }
+        if K::LOOKS_BEYOND {
+            mark(eye);
+            mark(light);
         }
         let known = |n: usize| n.saturating_sub(ahead);
         let (n, m) = (known(eye.len()), known(light.len()));
@@ -114,32 +122,33 @@ where
         accumulate(self.heuristic, &mut light[..m]);
     }
 
-    /// Density with which a forward walk that comes from beyond `next` arrives at the eye vertex before it.
+    /// Density with which a forward walk that comes from beyond `next` arrives at the eye vertex before it, if it has one (`regular`).
     #[inline]
     fn eye_reverse(
         &self,
         vertex: &Vertex<K::Point, Matrix<K::Weight>>,
         next: &Vertex<K::Point, Matrix<K::Weight>>,
+        regular: bool,
         from: Beyond<'_, K::Point, G::State>,
     ) -> f64 {
         let kernel = self.equation.kernel();
         let z = kernel.forward(&next.state, from);
         let survival = survival_at(&self.adjoint, &self.endings.1, &z);
-        if next.regular { survival * self.adjoint.pdf(&z, &kernel.forward(&vertex.state, Beyond::Own(&next.state))) } else { survival }
+        if regular { survival * self.adjoint.pdf(&z, &kernel.forward(&vertex.state, Beyond::Own(&next.state))) } else { survival }
     }
 
-    /// Density with which a backward walk that comes from beyond `next` arrives at the light vertex before it.
+    /// Density with which a backward walk that is at x, the place of `next`, arrives at the light vertex before it, if it has one (`regular`).
     #[inline]
     fn light_reverse(
         &self,
         vertex: &Vertex<G::State, Carried<G::Value>>,
         next: &Vertex<G::State, Carried<G::Value>>,
-        from: Beyond<'_, G::State, K::Point>,
+        regular: bool,
+        x: &K::Point,
     ) -> f64 {
         let kernel = self.equation.kernel();
-        let x = kernel.backward(&next.state, from);
-        let survival = survival_at(kernel, &self.endings.0, &x);
-        if next.regular { survival * kernel.pdf(&x, &kernel.backward(&vertex.state, Beyond::Own(&next.state))) } else { survival }
+        let survival = survival_at(kernel, &self.endings.0, x);
+        if regular { survival * kernel.pdf(x, &kernel.backward(&vertex.state, Beyond::Own(&next.state))) } else { survival }
     }
 
     /// The eye walk's first t vertices, as seen from where it is joined.
@@ -151,22 +160,22 @@ where
         from: Beyond<'_, K::Point, G::State>,
     ) -> Side<'m, K::Point, Matrix<K::Weight>> {
         let before = match eye {
-            [.., vertex, next] if K::LOOKS_BEYOND => Some(self.eye_reverse(vertex, next, from)),
+            [.., vertex, next] if K::LOOKS_BEYOND => Some(self.eye_reverse(vertex, next, true, from)),
             _ => None,
         };
         Side { path: eye, last, before }
     }
 
-    /// The forward walk's first s vertices, as seen from where it is joined.
+    /// The forward walk's first s vertices, as seen from where it is joined; x is what its last vertex is to the backward walk.
     #[inline]
     fn light_side<'m>(
         &self,
         light: &'m [Vertex<G::State, Carried<G::Value>>],
         last: f64,
-        from: Beyond<'_, G::State, K::Point>,
+        x: &K::Point,
     ) -> Side<'m, G::State, Carried<G::Value>> {
         let before = match light {
-            [.., vertex, next] if K::LOOKS_BEYOND => Some(self.light_reverse(vertex, next, from)),
+            [.., vertex, next] if K::LOOKS_BEYOND => Some(self.light_reverse(vertex, next, true, x)),
             _ => None,
         };
         Side { path: light, last, before }
@@ -181,7 +190,7 @@ where
 
     /// The backward walk hits the source: s = 0.
     #[inline]
-    fn hit_source(&self, eye: &[Vertex<K::Point, Matrix<K::Weight>>]) -> Option<Joined<G::Value>> {
+    fn hit_source(&self, cell: usize, eye: &[Vertex<K::Point, Matrix<K::Weight>>]) -> Option<Joined<G::Value>> {
         let x = eye.last()?;
         let contribution = x.load.weight.apply(self.equation.source().eval(&x.state));
         if contribution == G::Value::ZERO {
@@ -189,31 +198,37 @@ where
         }
         let q = self.equation.source().emit_pdf(&self.equation.kernel().forward(&x.state, Beyond::Start));
         let eye_side = self.eye_side(eye, if q.is_infinite() { 0.0 } else { q }, Beyond::Start);
-        let weight = self.weigh(&eye_side, &self.light_side(&[], f64::NAN, Beyond::Start));
-        Some(Joined { s: 0, t: eye.len(), contribution, weight })
+        let weight = self.weigh(&eye_side, &Side::empty());
+        Some(Joined { s: 0, t: eye.len(), cell, contribution, weight })
     }
 
     /// The forward walk hits the detector: t = 0.
     #[inline]
-    fn hit_detector(&self, cell: usize, light: &[Vertex<G::State, Carried<G::Value>>]) -> Option<Joined<G::Value>> {
-        let z = light.last()?;
-        let x = self.equation.kernel().backward(&z.state, Beyond::Start);
-        let p = self.detector.start_pdf(cell, &x);
-        if p.is_infinite() {
-            return None;
-        }
-        let contribution = z.load.value.scale(self.detector.importance(cell, &x));
-        if contribution == G::Value::ZERO {
-            return None;
-        }
-        let light_side = self.light_side(light, p, Beyond::Start);
-        let weight = self.weigh(&self.eye_side(&[], f64::NAN, Beyond::Start), &light_side);
-        Some(Joined { s: light.len(), t: 0, contribution, weight })
+    fn hit_detector<S: Sampler>(
+        &self,
+        cell: usize,
+        light: &[Vertex<G::State, Carried<G::Value>>],
+        u: &mut S,
+        mut each: impl FnMut(Joined<G::Value>),
+    ) {
+        let (Some(z), share) = (light.last(), self.share as f64) else { return };
+        self.detector.meet(&z.state, z.load.value, u, |Met { cell: met, point, score, pdf }| {
+            if score == G::Value::ZERO || (self.share == 1 && met != cell) {
+                return;
+            }
+            let weight = self.weigh(&Side::empty(), &self.light_side(light, pdf / share, &point));
+            each(Joined { s: light.len(), t: 0, cell: met, contribution: score.scale(1.0 / share), weight });
+        });
     }
 
     /// Both walks are joined by an edge.
     #[inline]
-    fn join(&self, eye: &[Vertex<K::Point, Matrix<K::Weight>>], light: &[Vertex<G::State, Carried<G::Value>>]) -> Option<Joined<G::Value>> {
+    fn join(
+        &self,
+        cell: usize,
+        eye: &[Vertex<K::Point, Matrix<K::Weight>>],
+        light: &[Vertex<G::State, Carried<G::Value>>],
+    ) -> Option<Joined<G::Value>> {
         let ((x, z), kernel) = ((eye.last()?, light.last()?), self.equation.kernel());
         let contribution = x.load.weight.apply(kernel.join(&x.state, &z.state).apply(z.load.value));
         if contribution == G::Value::ZERO {
@@ -223,30 +238,32 @@ where
             1.0
         } else {
             let back = z.survival * self.adjoint.pdf(&z.state, &kernel.forward(&x.state, Beyond::Other(&z.state)));
-            let forth = x.survival * kernel.pdf(&x.state, &kernel.backward(&z.state, Beyond::Other(&x.state)));
-            self.weigh(&self.eye_side(eye, back, Beyond::Other(&z.state)), &self.light_side(light, forth, Beyond::Other(&x.state)))
+            let y = kernel.backward(&z.state, Beyond::Other(&x.state));
+            let forth = x.survival * kernel.pdf(&x.state, &y);
+            self.weigh(&self.eye_side(eye, back, Beyond::Other(&z.state)), &self.light_side(light, forth, &y))
         };
-        Some(Joined { s: light.len(), t: eye.len(), contribution, weight })
+        Some(Joined { s: light.len(), t: eye.len(), cell, contribution, weight })
     }
 
     /// Every strategy of the pair, from the shortest eye walk on.
     #[inline]
-    pub(super) fn joined(&self, cell: usize, memory: &Memory<G, K>, mut each: impl FnMut(Joined<G::Value>)) -> u64 {
+    pub(super) fn joined<S: Sampler>(&self, cell: usize, u: &mut S, memory: &Memory<G, K>, mut each: impl FnMut(Joined<G::Value>)) -> u64 {
         let (eye, light) = (&memory.eye[..], &memory.light[..]);
         let mut joins = 0;
         for t in 0..=eye.len() {
             for s in self.strategies.range(t, light.len()) {
-                let joined = match (s, t) {
-                    (0, 0) => None,
-                    (0, _) => self.hit_source(&eye[..t]),
-                    (_, 0) => self.hit_detector(cell, &light[..s]),
+                match (s, t) {
+                    (0, 0) => {}
+                    (0, _) => self.hit_source(cell, &eye[..t]).into_iter().for_each(&mut each),
+                    (_, 0) => {
+                        // forward walks read no events in their blocks
+                        u.seek(2 * s as u64 - 1, Purpose::Event);
+                        self.hit_detector(cell, &light[..s], u, &mut each);
+                    }
                     _ => {
                         joins += 1;
-                        self.join(&eye[..t], &light[..s])
+                        self.join(cell, &eye[..t], &light[..s]).into_iter().for_each(&mut each);
                     }
-                };
-                if let Some(joined) = joined {
-                    each(joined);
                 }
             }
         }
@@ -263,7 +280,14 @@ where
         each: impl FnMut(Joined<G::Value>),
     ) -> Result<Cost, Fault> {
         let (steps, fault) = self.walk(cell, u, memory);
-        fault.map_or_else(|| Ok(Cost { steps, joins: self.joined(cell, memory, each) }), Err)
+        fault.map_or_else(|| Ok(Cost { steps, joins: self.joined(cell, u, memory, each) }), Err)
+    }
+}
+
+/// Kernels that look beyond have Dirac parts at places, not along edges: nothing is joined to such a place either.
+fn mark<X, L>(path: &mut [Vertex<X, L>]) {
+    for i in 1..path.len() {
+        path[i - 1].joinable = path[i - 1].regular && path[i].regular;
     }
 }
 
@@ -272,7 +296,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
     E: Ending<K>,
     F: Ending<K::Adjoint>,
 {

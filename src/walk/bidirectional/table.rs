@@ -1,8 +1,7 @@
 //! The strategies one by one.
 
 use super::pair::{Memory, PairEstimator};
-use super::{Bidirectional, Connect};
-use crate::detector::StartPdf;
+use super::{Bidirectional, Connect, Meet};
 use crate::equation::Query;
 use crate::error::Error;
 use crate::estimator::Estimator;
@@ -57,7 +56,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
 {
     /// The strategies of paths of up to `order` edges, from the pairs of the detector's cell `cell`: what each finds alone, and with its weight.
     ///
@@ -108,7 +107,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: StartPdf<Point = G::Point>,
+    D: Meet<G::State, G::Value, Point = G::Point>,
     E: Ending<K>,
     F: Ending<K::Adjoint>,
 {

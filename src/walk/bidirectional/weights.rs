@@ -25,16 +25,16 @@ fn term(heuristic: Heuristic, ratio: f64) -> f64 {
 
 /// R^β (c + Σ): 0 where R is, even if the sum beyond has overflowed.
 #[inline]
-fn onward<X, L>(heuristic: Heuristic, vertex: &Vertex<X, L>, reverse: f64, beyond: f64) -> f64 {
+fn onward<X, L>(heuristic: Heuristic, vertex: &Vertex<X, L>, joinable: bool, reverse: f64, beyond: f64) -> f64 {
     let term = term(heuristic, vertex.ratio(reverse));
-    if term == 0.0 { 0.0 } else { term * (f64::from(u8::from(vertex.regular)) + beyond) }
+    if term == 0.0 { 0.0 } else { term * (f64::from(u8::from(joinable)) + beyond) }
 }
 
 /// Fills `sum` along a walk whose reverse densities are known, up to where they are.
 pub(super) fn accumulate<X, L>(heuristic: Heuristic, path: &mut [Vertex<X, L>]) {
     let mut sum = 0.0;
     for vertex in path {
-        sum = onward(heuristic, vertex, vertex.reverse, sum);
+        sum = onward(heuristic, vertex, vertex.joinable, vertex.reverse, sum);
         vertex.sum = sum;
     }
 }
@@ -49,6 +49,11 @@ pub(super) struct Side<'a, X, L> {
 }
 
 impl<X, L> Side<'_, X, L> {
+    /// Of no vertices.
+    pub(super) fn empty() -> Self {
+        Side { path: &[], last: f64::NAN, before: None }
+    }
+
     /// Σ (p_k/p_s)^β over the strategies that leave vertices of this side to the other.
     #[inline]
     fn sum(&self, heuristic: Heuristic) -> f64 {
@@ -56,9 +61,11 @@ impl<X, L> Side<'_, X, L> {
         let shorter = match (rest.split_last(), self.before) {
             (None, _) => 0.0,
             (Some((before, _)), None) => before.sum,
-            (Some((before, rest)), Some(reverse)) => onward(heuristic, before, reverse, rest.last().map_or(0.0, |v| v.sum)),
+            (Some((before, rest)), Some(reverse)) => {
+                onward(heuristic, before, before.joinable, reverse, rest.last().map_or(0.0, |v| v.sum))
+            }
         };
-        onward(heuristic, last, self.last, shorter)
+        onward(heuristic, last, last.regular, self.last, shorter)
     }
 
     /// ln(p_k/p_s) of these strategies, nearest first.
@@ -69,10 +76,12 @@ impl<X, L> Side<'_, X, L> {
             (1, Some(before)) => before,
             _ => self.path[i].reverse,
         };
+        // a walk that is cut here is joined by a density
+        let joinable = move |i: usize| if i + 1 == n { self.path[i].regular } else { self.path[i].joinable };
         let mut sum = 0.0;
         (0..n).rev().filter_map(move |i| {
             sum += self.path[i].ratio(reverse(i)).ln();
-            (self.path[i].regular || sum.is_nan()).then_some(sum)
+            (joinable(i) || sum.is_nan()).then_some(sum)
         })
     }
 }

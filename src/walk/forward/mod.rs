@@ -19,8 +19,8 @@ mod scoring;
 mod tally;
 mod trace;
 
-pub(super) use run::Run;
 pub(super) use errand::Carried;
+pub(super) use run::Run;
 pub use scoring::{Collided, Connections, ForwardScoring, Seen};
 pub use tally::ForwardTally;
 pub use trace::ForwardTrace;
