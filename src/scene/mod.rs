@@ -187,13 +187,11 @@ impl Inner {
 
 impl Scene {
     /// An empty scene, to be filled.
-    #[must_use]
     pub fn builder() -> SceneBuilder {
         SceneBuilder::default()
     }
 
     /// A film of `width` × `height` pixels behind a camera, with a box filter.
-    #[must_use]
     pub fn film(&self, camera: Camera, width: usize, height: usize) -> Film {
         Film::new(self.clone(), camera, width, height)
     }
