@@ -1,13 +1,11 @@
 //! The Cornell box, built in code, by three estimators; a progress bar, PNG, EXR and a convergence plot.
 //!
-//! Equation: L = Lₑ + T L, radiance in a room. Answer: an image with an error for every pixel (Goral et al., SIGGRAPH 1984; geometry as published by
-//! Cornell University).
+//! Equation: L = Lₑ + T L, radiance in a room. Answer: an image with an error for every pixel (Goral et al., SIGGRAPH 1984).
 //!
 //! `cargo run --release --example cornell -- [--size 256] [--samples 256]`
 #![allow(clippy::print_stdout)]
 
-use fredholm::scene::{Camera, Material, Scene, Sides, geometry::Mesh, shapes};
-use fredholm::scene::{Emission, Film, LightTransport};
+use fredholm::scene::{Camera, Emission, Film, LightTransport, Material, Scene, Sides, geometry::Mesh, shapes};
 use fredholm::walk::{Ending, Roulette, Scoring};
 use fredholm::{Error, Walk, plot::Convergence};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -57,9 +55,8 @@ where
         points.push((seconds, error));
         bar.set_position((1000.0 * round.fraction) as u64);
         bar.set_message(format!("{} walks a pixel, error {:.2} %", round.samples, 100.0 * error));
-        let file = format!("target/plots/cornell-{}", name.replace(' ', "-"));
-        round.estimates.write_png(format!("{file}.png"))?;
-        round.estimates.write_exr(format!("{file}.exr"))?;
+        round.estimates.write_png(format!("target/plots/cornell-{name}.png"))?;
+        round.estimates.write_exr(format!("target/plots/cornell-{name}.exr"))?;
     }
     bar.finish();
     let (seconds, error) = points.last().copied().ok_or("no walks")?;
@@ -75,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let roulette = Roulette::throughput(0.5).after(2);
     let plot = Convergence::against_time("The Cornell box").error_label("relative error of a pixel");
     plot.series("collision", render(&scene, &film, "collision", Walk::collision().roulette(roulette).samples_per_cell(samples))?)
-        .series("next event", render(&scene, &film, "next event", Walk::next_event().roulette(roulette).samples_per_cell(samples))?)
+        .series("next event", render(&scene, &film, "next-event", Walk::next_event().roulette(roulette).samples_per_cell(samples))?)
         .series("MIS", render(&scene, &film, "MIS", Walk::mis().roulette(roulette).samples_per_cell(samples))?)
         .save("target/plots/cornell-convergence.png")?;
     println!("wrote target/plots/cornell-*.png, cornell-*.exr, cornell-convergence.png");

@@ -1,7 +1,7 @@
 //! A scene by path tracing along Sobol' points, one randomisation a pixel: the smallest error for the time, and none that is stated.
 
-use fredholm::scene::{self, Image};
 use fredholm::sampling::{Layout, Sobol};
+use fredholm::scene::{self, Image};
 use fredholm::{Error, Estimate, Spectrum, Walk, walk::Roulette};
 use std::time::Instant;
 

@@ -129,3 +129,49 @@ fn nothing_is_black() {
     let image = scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(8)).unwrap();
     assert!(image.pixels().iter().all(|p| p.value.0 == [0.0; 3] && p.verdict() == Verdict::NothingScored));
 }
+
+/// Files with bytes changed, doubled or left out: an error or a scene, never a panic.
+#[test]
+fn mangled_files_never_panic() {
+    use fredholm::sampling::{Pcg, Sampler, Sequence};
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let mut text = std::fs::read(scene_file("plates.gltf")).unwrap();
+    // less of the matrix and the names, more of the rest
+    text.retain(|b| !b" \n".contains(b));
+    let glb = {
+        let json = String::from_utf8(text.clone()).unwrap();
+        let mut json = json.into_bytes();
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let header =
+            [&b"glTF"[..], &2u32.to_le_bytes(), &(20 + json.len() as u32).to_le_bytes(), &(json.len() as u32).to_le_bytes(), b"JSON"];
+        [header.concat(), json].concat()
+    };
+    assert!(gltf(&glb, ".").is_ok());
+    let obj =
+        b"mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvt 0 0\nusemtl lamp\nf 1/1/1 2/1/1 3/1/1\nf 1//1 2//1 3//1\nf -1 -2 -3\n"
+            .to_vec();
+    for i in 0..3000u64 {
+        let mut u = Pcg::new(23).point(0, 0, i);
+        let mut bytes = [&text, &glb, &obj][i as usize % 3].clone();
+        for _ in 0..1 + i % 4 {
+            let at = (u.next_1d() * bytes.len() as f64) as usize;
+            match (u.next_1d() * 5.0) as u32 {
+                0 => bytes[at] = (u.next_1d() * 256.0) as u8,
+                1 => bytes[at] = b"0123456789-.,\"[]{}"[(u.next_1d() * 18.0) as usize],
+                2 => bytes.truncate(at.max(1)),
+                3 => bytes.insert(at, b"9-e\"]"[(u.next_1d() * 5.0) as usize]),
+                _ => drop(bytes.remove(at)),
+            }
+            if bytes.is_empty() {
+                break;
+            }
+        }
+        let loaded = if i % 3 == 2 {
+            std::fs::write(folder.join("mangled.obj"), &bytes).unwrap();
+            load(folder.join("mangled.obj"))
+        } else {
+            gltf(&bytes, ".")
+        };
+        let _ = loaded.and_then(|l| l.builder.build());
+    }
+}
