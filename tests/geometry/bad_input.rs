@@ -1,6 +1,6 @@
 //! Every input has an answer or an error with its name.
 
-use crate::random::mesh;
+use crate::random::{icosphere, mesh};
 use fredholm::Error;
 use fredholm::scene::geometry::{Geometry, Mesh, Ray, Sphere};
 
@@ -29,6 +29,18 @@ fn nothing_at_all() {
     for geometry in [Geometry::new(vec![]).expect("empty"), mesh(vec![], vec![])] {
         assert_eq!((geometry.primitives(), geometry.closest(&ray), geometry.occluded(&ray)), (0, None, false));
     }
+}
+
+#[test]
+fn rays_that_are_none() {
+    let (vertices, triangles) = icosphere(2, 1.0, [0.0; 3]);
+    let shapes = vec![Mesh::new(vertices, triangles).expect("a mesh").into(), Sphere::new([0.0; 3], 0.5).expect("a sphere").into()];
+    let geometry = Geometry::new(shapes).expect("a geometry");
+    for (origin, direction) in [([0.0; 3], [0.0; 3]), ([0.0; 3], [f64::NAN, 1.0, 0.0]), ([f64::NAN; 3], [0.0, 0.0, 1.0])] {
+        let ray = Ray::new(origin, direction);
+        assert_eq!((geometry.closest(&ray), geometry.occluded(&ray)), (None, false));
+    }
+    assert_eq!(geometry.closest(&Ray::new([0.0; 3], [1.0, 0.0, 0.0]).until(f64::NAN)), None);
 }
 
 #[test]

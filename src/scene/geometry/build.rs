@@ -8,6 +8,8 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 /// Items in a leaf.
 pub(super) const IN_LEAF: usize = 4;
+/// Cost of trying a leaf, in visits of a node.
+const LEAF_COST: f32 = 2.0;
 
 /// Low and high corner.
 pub(super) type Bounds = [[f64; 3]; 2];
@@ -84,7 +86,7 @@ impl<'a> Collapse<'a> {
         let node = &self.binary.nodes[i];
         let area = node.aabb().half_area();
         if node.is_leaf() {
-            return Plan { cost: [area; LANES], split: [0; LANES], count: node.prim_count };
+            return Plan { cost: [LEAF_COST * area; LANES], split: [0; LANES], count: node.prim_count };
         }
         let [a, b] = [0, 1].map(|k| &self.plans[node.first_index as usize + k]);
         let mut plan = Plan { cost: [0.0; LANES], split: [0; LANES], count: a.count + b.count };
@@ -93,7 +95,7 @@ impl<'a> Collapse<'a> {
             (plan.cost[lanes], plan.split[lanes]) = ways.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default();
         }
         // one child: a leaf, or a node with all its lanes
-        plan.cost[0] = if plan.count as usize <= IN_LEAF { area } else { area + plan.cost[LANES - 1] };
+        plan.cost[0] = if plan.count as usize <= IN_LEAF { LEAF_COST * area } else { area + plan.cost[LANES - 1] };
         // boxes without area cost nothing: what must be opened stays open
         let fewest = if plan.count as usize <= IN_LEAF { 1 } else { 2 };
         for lanes in fewest..LANES {

@@ -5,7 +5,6 @@ use super::lanes::Lanes;
 use super::tree::{Slab, Tree, Visitor};
 use super::triangle::Frame;
 use super::{Hit, Sphere};
-use std::array::from_fn;
 
 /// Some primitives of a kind.
 pub(super) trait Leaf {
@@ -58,57 +57,6 @@ impl<S: Coordinate> Triangles<S> {
         }
         leaf
     }
-
-    #[inline(always)]
-    fn corners(&self, lane: usize) -> [[f64; 3]; 3] {
-        from_fn(|k| from_fn(|axis| self.corner[k][axis][lane].into()))
-    }
-
-    /// One corner of all triangles in the coordinates of the ray: [`Frame::sheared`] in lanes.
-    #[inline(always)]
-    fn sheared(&self, corner: usize, ray: &Frame) -> [Four; 3] {
-        let corner = &self.corner[corner];
-        let [x, y, z] = ray.axes.map(|axis| &corner[axis]);
-        let o = ray.axes.map(|axis| ray.origin[axis]);
-        let z: Four = from_fn(|i| z[i].into() - o[2]);
-        [from_fn(|i| (x[i].into() - o[0]) - ray.shear[0] * z[i]), from_fn(|i| (y[i].into() - o[1]) - ray.shear[1] * z[i]), z]
-    }
-
-    /// The triangles that the ray may hit before `until`, as bits: [`Frame::hit`] in lanes, without its division and error.
-    #[inline(always)]
-    fn candidates<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64) -> u32 {
-        let (a, b, c) = (self.sheared(0, ray), self.sheared(1, ray), self.sheared(2, ray));
-        let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
-        let mut outside = [0.0; IN_LEAF];
-        for i in 0..IN_LEAF {
-            let low = if u[i] < v[i] { u[i] } else { v[i] };
-            let high = if u[i] > v[i] { u[i] } else { v[i] };
-            let low = if low < w[i] { low } else { w[i] };
-            let high = if high > w[i] { high } else { w[i] };
-            outside[i] = if (low >= 0.0) | (high <= 0.0) { 1.0 } else { -1.0 };
-        }
-        let within = !lanes.below64(&outside) & 0xf;
-        if within == 0 {
-            return 0;
-        }
-        for i in 0..IN_LEAF {
-            let sum = u[i] + v[i] + w[i];
-            let t = (u[i] * a[2][i] + v[i] * b[2][i] + w[i] * c[2][i]) * ray.stretch.copysign(ray.stretch * sum);
-            outside[i] = if (t > 0.0) & (t <= until * sum.abs()) { 1.0 } else { -1.0 };
-        }
-        within & !lanes.below64(&outside)
-    }
-}
-
-type Four = [f64; IN_LEAF];
-
-#[inline(always)]
-fn edge(p: &[Four; 3], q: &[Four; 3]) -> Four {
-    let mut edge = [0.0; IN_LEAF];
-    for i in 0..IN_LEAF {
-        edge[i] = p[0][i] * q[1][i] - p[1][i] * q[0][i];
-    }
-    edge
 }
 
 impl<S: Coordinate> Leaf for Triangles<S> {
@@ -120,15 +68,7 @@ impl<S: Coordinate> Leaf for Triangles<S> {
 
     #[inline(always)]
     fn hits<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
-        // rounded sums may be a little beyond
-        let mut lanes_left = self.candidates(lanes, ray, until * (1.0 + 16.0 * f64::EPSILON));
-        while lanes_left != 0 {
-            let lane = lanes_left.trailing_zeros() as usize & 3;
-            lanes_left &= lanes_left - 1;
-            if let Some((t, u, v)) = ray.hit(&self.corners(lane)) {
-                found(Hit { primitive: self.primitive[lane], t, u, v });
-            }
-        }
+        ray.hits(lanes, &self.corner, until, |lane, t, u, v| found(Hit { primitive: self.primitive[lane], t, u, v }));
     }
 }
 

@@ -2,7 +2,8 @@
 
 /// The points origin + t·direction, 0 < t < until.
 ///
-/// The direction may have any length but 0, and t counts in it: a shadow segment is a ray with `until = 1`. Coordinates must be finite.
+/// The direction may have any length from 10⁻⁷⁵ to 10⁷⁵, and t counts in it: a shadow segment is a ray with `until = 1`. A ray with NaN in it,
+/// or without direction, meets nothing.
 ///
 /// ```
 /// use fredholm::scene::geometry::Ray;

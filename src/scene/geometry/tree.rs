@@ -10,7 +10,7 @@ pub(super) const LANES: usize = 8;
 /// Marks the index of a leaf.
 const LEAF: u32 = 1 << 31;
 /// Nodes that wait on a stack without allocation.
-const WAITING: usize = 64;
+const WAITING: usize = 56;
 
 /// Eight boxes, in single precision and never smaller than what they hold.
 #[derive(Clone, Copy, Debug)]
