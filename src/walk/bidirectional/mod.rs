@@ -23,6 +23,7 @@ mod meet;
 mod pair;
 mod path;
 mod shared;
+mod strategies;
 mod table;
 mod tally;
 mod weights;
