@@ -1,7 +1,7 @@
 //! Nanoseconds a step of the library's walks, each beside a hand-written loop of the same arithmetic and generator, on one thread.
 //!
 //! f(x) = 1 + ∫₀¹ ½e^{−|x−y|} f(y) dy at ½: (A) closures, uniform proposal, roulette ½; (B) the kernel's own Laplace step, absorbed outside; (C) as A but
-//! forward, for ∫ x f(x) dx.
+//! forward, for ∫ x f(x) dx; (D) both ways, joined, balance heuristic: the time is that of a step or a join.
 //!
 //! `cargo bench --bench walk_step`: the times are per *step*; the ratio of a pair is what the abstraction costs.
 
@@ -12,7 +12,7 @@ use fredholm::kernel::{Operator, Step, Transition};
 use fredholm::sampling::Sampler;
 use fredholm::source::source_fn;
 use fredholm::walk::{Collision, OwnAbsorption, Roulette};
-use fredholm::{Equation, Forward, Walk};
+use fredholm::{Bidirectional, Equation, Forward, Walk};
 use rand_core::Rng;
 use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;
@@ -63,6 +63,45 @@ fn loop_c(walks: u64) -> Sums {
         squares += s * s;
     }
     (sum, squares, steps)
+}
+
+/// A walk of (point, load, sum of the weights' recursion); the reverse density of every vertex is ½, its own too, but for the first.
+fn walk_d(r: &mut Pcg64Mcg, first: (f64, f64), density: f64, path: &mut Vec<(f64, f64, f64)>) {
+    let (mut x, mut w) = first;
+    let mut sum = 0.5 / density;
+    path.clear();
+    path.push((x, w, sum));
+    while uniform(r) < 0.5 {
+        let y = uniform(r);
+        w *= (-(x - y).abs()).exp();
+        x = y;
+        sum += 1.0;
+        path.push((x, w, sum));
+    }
+}
+
+fn loop_d(walks: u64) -> Sums {
+    let mut r = Pcg64Mcg::new(42);
+    let (mut sum, mut squares, mut count) = (0.0, 0.0, 0);
+    let (mut eye, mut light) = (Vec::new(), Vec::new());
+    for _ in 0..walks {
+        walk_d(&mut r, (0.5, 1.0), f64::INFINITY, &mut eye);
+        let z = uniform(&mut r);
+        walk_d(&mut r, (z, 1.0), 1.0, &mut light);
+        let mut s = 0.0;
+        for (t, (x, w, beyond)) in eye.iter().enumerate() {
+            // the source is hit: q₀/π = 2 in place of the reverse density over the own
+            let hit = if t == 0 { 0.0 } else { 2.0 * (1.0 + eye[t - 1].2) };
+            s += w / (1.0 + hit);
+            for (z, load, before) in &light {
+                s += w * 0.5 * (-(x - z).abs()).exp() * load / (1.0 + beyond + before);
+            }
+        }
+        count += (eye.len() + light.len() - 2 + eye.len() * light.len()) as u64;
+        sum += s;
+        squares += s * s;
+    }
+    (sum, squares, count)
 }
 
 #[inline]
@@ -128,6 +167,10 @@ fn pairs(c: &mut Criterion) {
     let first = Functional::new(Interval::from(0.0..=1.0), |x| *x);
     let forward = Forward::new().roulette(Roulette::constant(0.5)).walks(WALKS);
     per_step(c, "C step, library", || eq.seen_by(&first).solve(&forward).expect("a valid equation").steps);
+
+    per_step(c, "D step or join, hand-written", || black_box(loop_d(black_box(WALKS / 4))).2);
+    let both = Bidirectional::new().roulette(Roulette::constant(0.5)).samples_per_cell(WALKS / 4);
+    per_step(c, "D step or join, library", || eq.at(0.5).solve(&both).expect("a valid equation").evaluations);
 
     per_step(c, "B step, hand-written", || black_box(loop_b(black_box(WALKS))).2);
     let eq = Equation::new(source_fn(Interval::from(0.0..=1.0), |_: &f64| 1.0), Laplace);

@@ -196,6 +196,48 @@ pub enum Error {
         /// The score, as printed by its `Debug`.
         value: String,
     },
+    /// Rounding of kernel values alone forbids the tolerance: no finer rule could meet it.
+    #[error(
+        "not converged: rounding of kernel values alone, with condition number {condition:.1e}, leaves an error of {error:.1e} > tolerance {tolerance:.1e}"
+    )]
+    IllConditioned {
+        /// What rounding leaves, in the units of f.
+        error: f64,
+        /// What was asked.
+        tolerance: f64,
+        /// Estimated condition number of I − T.
+        condition: f64,
+    },
+    /// 1 is in the spectrum of an operator on an infinite domain.
+    #[error(
+        "I − T is singular to working precision on an infinite domain: reciprocal condition number {rcond:.1e} with {unknowns} unknowns; T is not compact there, and 1 may lie in its continuous spectrum, as for half-spaces without absorption: there is no null function, and f does not depend continuously on g"
+    )]
+    ContinuousSpectrum {
+        /// Estimated reciprocal condition number.
+        rcond: f64,
+        /// Size of the linear system.
+        unknowns: usize,
+    },
+    /// T is so large that f is lost in the rounding of T f.
+    #[error("to working precision this is an equation of the first kind: ‖T‖ = {norm:.1e}, and f is lost in the rounding of T f")]
+    FirstKind {
+        /// ‖T‖ in L², on the nodes.
+        norm: f64,
+    },
+    /// K(x, ·) falls too slowly towards infinity.
+    #[error(
+        "K(x, y) falls only like |y|^−{power:.2} towards infinity: what lies beyond the last floating-point places of the map is {mass:.1e} of ∫ |K|, and rules there do not converge (estimated error {error:.1e} > tolerance {tolerance:.1e}); substitute x = s(t) with a finite range, or cut the domain off"
+    )]
+    SlowDecay {
+        /// The power of 1/|y|; at 1 and below there is no integral of K alone.
+        power: f64,
+        /// ∫ |K(x, y)| dy that no node can see.
+        mass: f64,
+        /// Estimated error, in the units of f.
+        error: f64,
+        /// What was asked.
+        tolerance: f64,
+    },
     /// K(x, ·) has no integral at y = x: a singularity like 1/|x − y|, or stronger.
     #[error("the kernel is not integrable at y = x = {x}: its integral over [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
     NotIntegrable {
@@ -224,6 +266,18 @@ pub enum Error {
     ZeroTarget {
         /// Random points.
         samples: u64,
+    },
+    /// K(x, ·) has no integral at an end of the domain.
+    #[error(
+        "the kernel is not integrable in y at the end {end}, seen from x = {x}: its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved"
+    )]
+    NotIntegrableAtEnd {
+        /// The point.
+        x: String,
+        /// The end.
+        end: String,
+        /// That factor; 1/2 for a bounded kernel, 1 for 1/y.
+        ratio: f64,
     },
     /// A point outside the domain.
     #[error("{x} is outside the domain")]

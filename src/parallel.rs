@@ -1,22 +1,39 @@
 //! The one file that names rayon: work in, results out, in order.
+//!
+//! Threads are compiled once, in this crate: what differs from task to task hides behind a vtable, one indirect call a task, and results go into slots.
+
+use std::sync::{Mutex, PoisonError};
 
 /// `f(0), …, f(count − 1)`, in order, on all cores if the feature `parallel` is on. Floating-point sums happen elsewhere, serially.
-#[cfg(feature = "parallel")]
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-    use rayon::prelude::*;
-    (0..count).into_par_iter().map(f).collect()
+    let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    each(count, &|i| {
+        let found = Some(f(i));
+        // nobody else asks for this slot
+        *slots[i].lock().unwrap_or_else(PoisonError::into_inner) = found;
+    });
+    let result = |slot: Mutex<Option<T>>| slot.into_inner().unwrap_or_else(PoisonError::into_inner);
+    slots.into_iter().map(|slot| result(slot).expect("every task has run")).collect()
 }
 
-/// `f(0), …, f(count − 1)`.
+/// Calls `f` with 0, …, count − 1, each once, in any order.
+#[cfg(feature = "parallel")]
+fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().for_each(f);
+}
+
+/// Calls `f` with 0, …, count − 1.
 #[cfg(not(feature = "parallel"))]
-pub(crate) fn map<T>(count: usize, f: impl Fn(usize) -> T) -> Vec<T> {
-    (0..count).map(f).collect()
+fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
+    (0..count).for_each(f);
 }
 
 /// `f(i, i-th chunk of size items)` for all chunks of a slice, the last of which may be shorter; results in order.
 #[cfg(feature = "parallel")]
 pub(crate) fn chunks<T: Send, R: Send>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) -> R + Send + Sync) -> Vec<R> {
     use rayon::prelude::*;
+    let f: &(dyn Fn(usize, &mut [T]) -> R + Sync) = &f;
     data.par_chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect()
 }
 

@@ -8,7 +8,7 @@ use fredholm::kernel::{Absorbing, HasDomain, Kernel, Operator, RowMass, Series, 
 use fredholm::sampling::{Pcg, Sequence};
 use fredholm::source::{Emit, SampleSource, Source};
 use fredholm::statistics::Moments;
-use fredholm::transport::{BeamSource, CollisionTally, Flux, Histories, Slab, TrackTally, UniformSource};
+use fredholm::transport::{BeamSource, CollisionTally, Flux, Histories, Slab, SurfaceTally, TrackTally, UniformSource};
 use fredholm::walk::{FixedDepth, Heuristic, Roulette};
 use fredholm::{Equation, Error, Estimate, Method, Walk, detector::Bins, detector::Points};
 
@@ -268,6 +268,31 @@ fn histories_agree_with_backward_walks() {
     agree_with_backward_walks(&slab, &slab.uniform(1.5));
     agree_with_backward_walks(&slab, &slab.beam(0.7));
     agree_with_backward_walks(&slab, &slab.source(|x| 1.0 + x * x));
+}
+
+/// Without capture dJ/dx = S: the net current at x is x − a/2; what crosses the faces is the leakage, to the last bit.
+#[test]
+fn currents_carry_away_what_is_born() {
+    let slab = Slab::new(2.0).scattering(1.0);
+    let run = Histories::new((SurfaceTally, TrackTally)).bins(8).histories(200_000).seed(5).run(&slab, &slab.uniform(1.0)).unwrap();
+    let (currents, flux) = &run.flux;
+    let (right, left) = (currents.right(), currents.left());
+    assert!(right[0].value == 0.0 && left[8].value == 0.0);
+    assert!(left[0].value == run.left.rate.value && right[8].value == run.right.rate.value);
+    for i in 0..=8 {
+        let error = right[i].std_error.unwrap_or(0.0).hypot(left[i].std_error.unwrap_or(0.0));
+        let net = right[i].value - left[i].value;
+        assert!((net - (currents.grid().edge(i) - 1.0)).abs() < SIGMAS * error && error < 0.02, "edge {i}: {net} ± {error}");
+    }
+    // the flux as a curve: the same values and errors, and a band wider than any of them
+    let curve = flux.profile();
+    let band = curve.band(0.95).unwrap();
+    for (i, e) in flux.bins().iter().enumerate() {
+        assert!(
+            (curve.values()[i] / e.value - 1.0).abs() < 1e-12 && (curve.std_errors().unwrap()[i] / e.std_error.unwrap() - 1.0).abs() < 1e-9
+        );
+        assert!(band.upper[i] - e.value > 2.2 * e.std_error.unwrap());
+    }
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn family(key: &str) -> Result<(), String> {
     if let Some(d) = key.strip_prefix('b').and_then(number) {
         let k = move |x: f64, y: f64| d / PI / (d * d + (x - y) * (x - y));
         let n = |factor: f64| (factor / d).ceil() as usize;
-        let methods = smooth(&[n(6.0).max(16), n(12.0).max(24), n(24.0).max(32)], &[(n(1.0).max(2), 16), (n(2.0).max(4), 16)]);
+        let methods = smooth(&[n(6.0).max(16), n(12.8).max(24), n(24.0).max(32)], &[(n(1.0).max(2), 16), (n(2.0).max(4), 16)]);
         answer(&Equation::on_interval(-1.0..=1.0, |_| 1.0, k), (-1.0, 1.0), &methods);
         return Ok(());
     }

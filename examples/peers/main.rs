@@ -10,6 +10,7 @@
 //! target/release/examples/peers rng 20000000                 uniforms, Sobol' and other points by the number
 //! target/release/examples/peers render tests/data/scenes/cornell.gltf 64 1 1 out.f32      a scene at 64 × 64, 64 walks a pixel
 //! target/release/examples/peers qmc                          discrepancies and integration errors of point sets
+//! target/release/examples/peers rays folder cornell 5        closest and any hits a second, single and two threads; JSON lines
 //! ```
 //!
 //! Prints one comma-separated line a run: name, fredholm, variant, threads, samples, best and median seconds, rates, results; `determ`:
@@ -19,8 +20,9 @@
 
 mod determ;
 mod linalg;
-mod render;
 mod qmc;
+mod rays;
+mod render;
 mod rng;
 mod slab;
 mod toy;
@@ -47,7 +49,7 @@ pub(crate) fn timed<T>(repetitions: usize, mut run: impl FnMut() -> Result<T, Er
 }
 
 const USAGE: &str = "usage: peers toy A|B pcg64 WALKS REPETITIONS THREADS | peers slab HISTORIES REPETITIONS THREADS | peers determ KEY | \
-                     peers lu|matvec|assemble N… | peers rng COUNT | peers qmc | \
+                     peers lu|matvec|assemble N… | peers rng COUNT | peers qmc | peers rays FOLDER SCENE REPETITIONS | \
                      peers render SCENE.gltf SAMPLES SEED THREADS OUT.f32";
 
 fn count<T: std::str::FromStr + PartialOrd + From<u8>>(argument: &str) -> Result<T, String> {
@@ -82,7 +84,7 @@ fn answer(arguments: &[&str]) -> Result<(), String> {
             on_threads(threads, || render::render(file, samples, seed, out))
         }
         ["qmc"] => qmc::qmc().map_err(|e| e.to_string()),
-        [command @ ("render" | "rays"), ..] => Err(format!("'{command}' is not there yet")),
+        ["rays", folder, scene, repetitions] => rays::rays(folder, scene, count(repetitions)?),
         _ => Err(USAGE.to_string()),
     }
 }

@@ -1,7 +1,8 @@
 //! A tolerance instead of a rule.
 //!
 //! 0. The kernel is [classified](super::classify), or the user's word taken: what is not smooth on the diagonal goes straight to panels.
-//! 1. Gauss–Legendre on the whole domain, doubled while it converges geometrically: smooth kernels end here.
+//! 1. Gauss–Legendre on the whole domain, doubled while it converges geometrically: smooth kernels end here. Where K or g is singular at an
+//!    [end](super::ends), [double-exponential](super::double_exponential) nodes instead.
 //! 2. In one dimension, else: panels with product integration towards the diagonal. A panel is cut where the Legendre tail of f, weighted by the mass
 //!    of K on it, or the tail of K(x, ·) for x elsewhere is above the tolerance (both: the kernel, not only f, sets the error of a rule). Towards the
 //!    ends of the domain, where f may be singular, the Nyström interpolant of one coarse solve plans several cuts at once.
@@ -11,12 +12,13 @@
 //! References: Atkinson, *The numerical solution of integral equations of the second kind* (1997), ch. 4; Kress, *Linear integral equations*, ch. 12.
 
 use super::class::{Diagonal, classify};
+use super::ends::{Ends, Tail, tail};
 use super::factorised::Factorised;
 use super::grid::Grid;
 use super::jumps::jumps;
 use super::nystrom::{Nystrom, graded_breaks};
 use super::solution::NystromSolution;
-use super::verify::{Verdict, rounding, verify};
+use super::verify::{self, Verdict, rounding, verify};
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -31,6 +33,8 @@ const VERIFYING: usize = ORDER + 4;
 const ILL_CONDITIONED: f64 = 1e-3;
 /// An error that falls by less than this when all panels are halved is one of rounding.
 const STAGNANT: f64 = 0.3;
+/// Two solves that differ by less than this share of f have found its size.
+const SETTLED: f64 = 1e-3;
 /// Least error that panels report, as a share of the tolerance: three unresolved tails.
 const PROMISED: f64 = 3.0 * SHARE;
 /// A tail counts as resolved below this share of the tolerance: there are many panels.
@@ -52,28 +56,40 @@ where
         return Err(Error::invalid("tolerance", tolerance, "must be positive and finite"));
     }
     let segments = settings.segments(equation.kernel().domain())?;
-    let mut search = Search { equation, tolerance, most, evaluations: 0, error: f64::INFINITY, largest: 0 };
+    let mut search =
+        Search { equation, tolerance, most, evaluations: 0, error: f64::INFINITY, largest: 0, ends: Ends::default(), tail: None };
     if equation.kernel().domain().dimension() > 1 {
-        let tensor = search.globally(|domain, order| Grid::plain(domain, 1, order));
+        let tensor = search.globally(tensor_orders(equation.kernel().domain().dimension()), |domain, order| Grid::plain(domain, 1, order));
         let centred = equation.kernel().domain().around(&any_place(equation.kernel().domain()), 1).is_some();
         let found = match tensor {
             // singular on the diagonal, or a kink there
-            Ok(None) | Err(Error::NonFiniteKernel { .. }) if centred => search.globally(Grid::centred)?,
+            Ok(None) | Err(Error::NonFiniteKernel { .. }) if centred => search.globally(tensor_orders(2), Grid::centred)?,
             other => other?,
         };
         return found.ok_or_else(|| search.failure());
     }
     let class = classify(equation.kernel())?;
+    search.ends = Ends::of(equation);
+    search.tail = tail(equation.kernel());
     let segments = joined(segments, jumps(equation));
     let diagonal = settings.declared.unwrap_or(class.diagonal);
     let smooth = segments.len() == 2 && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
-    let found = match if smooth { search.globally(|domain, order| Grid::plain(domain, 1, order))? } else { None } {
-        Some(found) => found,
-        None => search.by_panels(&segments)?.ok_or_else(|| search.failure())?,
-    };
+    let found = search.on_line(smooth, &segments).map_err(|e| search.in_words(e))?;
     let contradicted = !diagonal.is_like(class.diagonal);
     let warning = contradicted.then(|| format!("declared: {diagonal}; values look like: {}", class.diagonal));
     Ok(found.with_class(class, warning))
+}
+
+/// Orders of global rules along a coordinate.
+const GAUSS: [usize; 5] = [12, 24, 48, 96, 192];
+const DOUBLE_EXPONENTIAL: [usize; 4] = [32, 64, 128, 256];
+
+fn tensor_orders(dimension: usize) -> &'static [usize] {
+    match dimension {
+        2 => &[5, 8, 12, 18, 27, 40],
+        3 => &[3, 5, 7, 9, 12],
+        _ => &[2, 3, 4, 5, 6],
+    }
 }
 
 fn any_place<D: Domain>(domain: &D) -> D::Point {
@@ -86,6 +102,16 @@ const SAME_JUMP: f64 = 1e-6;
 const WIDE: f64 = 0.02;
 
 impl<G, K> Search<'_, G, K> {
+    /// The same error, told by its cause where K falls slowly.
+    fn in_words(&self, error: Error) -> Error {
+        match (&error, self.tail) {
+            (Error::NotConverged { .. } | Error::NotIntegrable { .. }, Some(Tail { power, mass })) => {
+                Error::SlowDecay { power, mass, error: self.error, tolerance: self.tolerance }
+            }
+            _ => error,
+        }
+    }
+
     fn failure(&self) -> Error {
         Error::NotConverged { error: self.error, tolerance: self.tolerance, unknowns: self.largest }
     }
@@ -99,6 +125,8 @@ pub(super) struct Search<'a, G, K> {
     /// of the best attempt
     error: f64,
     largest: usize,
+    pub(super) ends: Ends,
+    tail: Option<Tail>,
 }
 
 impl<G, K> Search<'_, G, K>
@@ -125,26 +153,61 @@ where
     }
 
     pub(super) fn allowed(&self, f: &NystromSolution<G, K>) -> f64 {
-        self.tolerance * f.magnitude().max(1.0)
+        self.tolerance * f.bulk().max(1.0)
     }
 
     fn verified(&mut self, coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> Result<Verdict, Error> {
-        let verdict = verify(self.equation, coarse, fine, self.allowed(fine))?;
+        let allowed = self.allowed(fine);
+        let mut verdict = verify(self.equation, coarse, fine, allowed)?;
+        let rounding = verify::ROUNDING * rounding(fine);
+        // the same f twice, and no finer rule can do better
+        if rounding > allowed && verdict.error <= (SETTLED * fine.bulk()).max(rounding) {
+            return Err(Error::IllConditioned {
+                error: verdict.error.max(rounding),
+                tolerance: self.tolerance,
+                condition: fine.condition(),
+            });
+        }
+        if verdict.error <= allowed {
+            verdict.error = verdict.error.max(self.beyond(fine));
+            if !same_resolvent(coarse, fine) {
+                verdict.error = f64::INFINITY;
+            }
+        }
         self.error = self.error.min(verdict.error);
         Ok(verdict)
     }
 
+    /// What of T f lies beyond the outermost panels, carried to an error.
+    fn beyond(&self, f: &NystromSolution<G, K>) -> f64 {
+        let Some(tail) = self.tail else { return 0.0 };
+        let outermost = f.nodes().zip(f.values()).map(|(x, f)| (self.domain().density(&x), f.magnitude()));
+        let far = outermost.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a }).1;
+        if far == 0.0 { 0.0 } else { tail.mass * far * f.inverse_norm() }
+    }
+
+    /// One rule for the whole, or panels.
+    fn on_line(&mut self, smooth: bool, segments: &[f64]) -> Result<NystromSolution<G, K>, Error> {
+        if let Some(found) = if smooth { self.without_panels()? } else { None } {
+            return Ok(found);
+        }
+        self.by_panels(segments)?.ok_or_else(|| self.failure())
+    }
+
+    /// One rule for the whole of a line.
+    fn without_panels(&mut self) -> Result<Option<NystromSolution<G, K>>, Error> {
+        if self.ends.are_for_double_exponential(self.domain()) {
+            return self.globally(&DOUBLE_EXPONENTIAL, Grid::double_exponential);
+        }
+        if self.ends.rows == [false; 2] { self.globally(&GAUSS, |domain, order| Grid::plain(domain, 1, order)) } else { Ok(None) }
+    }
+
     fn globally(
         &mut self,
+        orders: &[usize],
         rule: impl Fn(&K::Domain, usize) -> Result<Grid<K::Point>, Error>,
     ) -> Result<Option<NystromSolution<G, K>>, Error> {
         let dimension = self.domain().dimension();
-        let orders: &[usize] = match dimension {
-            1 => &[12, 24, 48, 96, 192],
-            2 => &[5, 8, 12, 18, 27, 40],
-            3 => &[3, 5, 7, 9, 12],
-            _ => &[2, 3, 4, 5, 6],
-        };
         let (mut last, mut change): (Option<NystromSolution<G, K>>, f64) = (None, f64::INFINITY);
         for &order in orders {
             if !self.affordable((order as f64).powi(dimension as i32)) {
@@ -162,7 +225,7 @@ where
                     return Ok(Some(fine.with_error(error, self.evaluations)));
                 }
                 // not geometric: panels will do better
-                if dimension == 1 && order > 24 && error > 0.03 * change {
+                if dimension == 1 && order > orders[1] && error > 0.03 * change {
                     return Ok(None);
                 }
                 change = error;
@@ -179,13 +242,13 @@ where
             if !self.affordable((breaks.len() - 1) as f64 * VERIFYING as f64) {
                 return Ok(None);
             }
-            let coarse = self.attempt(Grid::panelled(self.domain(), breaks.clone(), ORDER)?)?;
+            let coarse = self.attempt(Grid::panelled(self.domain(), breaks.clone(), ORDER)?.towards(self.ends))?;
             let finer = self.refine(&coarse, segments)?;
             if finer.len() > breaks.len() {
                 breaks = finer;
                 continue;
             }
-            let mut fine = self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?)?;
+            let mut fine = self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?.towards(self.ends))?;
             if rounding(&fine) > ILL_CONDITIONED * self.allowed(&fine) {
                 fine = fine.refined()?;
             }
@@ -204,6 +267,19 @@ where
         }
         Ok(None)
     }
+}
+
+/// Whether two rules agree on how close 1 is to the spectrum: where g has nothing of the null function, f does not tell.
+fn same_resolvent<G, K>(coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> bool
+where
+    G: Source,
+    K: Kernel + HasDomain + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+{
+    const HARMLESS: f64 = 1e4;
+    const SAME: f64 = 3.0;
+    let (a, b) = (coarse.inverse_norm(), fine.inverse_norm());
+    b < HARMLESS || (b < SAME * a && a < SAME * b)
 }
 
 /// The segments cut at jumps; one found takes the place of one declared close by.

@@ -36,6 +36,9 @@ pub struct Alternative {
 /// Singular values that count as 0 beside the smallest.
 const CLOSE: f64 = 8.0;
 const ZERO: f64 = 1e-10;
+/// No singular value is 0 if the smallest is more than this, and I − T is ill-conditioned by its norm if that is large.
+const NULL: f64 = 1e-4;
+const LARGE: f64 = 1e6;
 /// Unknowns of the decomposition.
 const UNKNOWNS: usize = 240;
 
@@ -66,10 +69,13 @@ where
 {
     match error {
         // on infinite domains T need not be compact: 1 may lie in a continuous spectrum, without null functions
-        Error::Singular { rcond, unknowns, alternative: None } if equation.kernel().domain().volume().is_finite() => {
-            let alternative = alternative(equation).ok().flatten().map(Box::new);
-            Error::Singular { rcond, unknowns, alternative }
+        Error::Singular { rcond, unknowns, alternative: None } if !equation.kernel().domain().volume().is_finite() => {
+            Error::ContinuousSpectrum { rcond, unknowns }
         }
+        Error::Singular { rcond, unknowns, alternative: None } => match alternative(equation).ok().flatten() {
+            Some((found, norm)) if found.smallest > NULL && norm > LARGE => Error::FirstKind { norm },
+            found => Error::Singular { rcond, unknowns, alternative: found.map(|(found, _)| Box::new(found)) },
+        },
         other => other,
     }
 }
@@ -88,8 +94,8 @@ fn grid<K: Kernel + HasDomain>(kernel: &K, components: usize) -> Result<Grid<K::
     Grid::panelled(domain, graded_breaks(&[0.0, 1.0], 2, levels.min(12)), ORDER)
 }
 
-/// `None` if the decomposition does not end.
-fn alternative<G, K>(equation: &Equation<G, K>) -> Result<Option<Alternative>, Error>
+/// With the largest singular value of I − T; `None` if the decomposition does not end.
+fn alternative<G, K>(equation: &Equation<G, K>) -> Result<Option<(Alternative, f64)>, Error>
 where
     G: Source,
     K: Kernel + HasDomain + Operator<Point = G::Point>,
@@ -108,10 +114,11 @@ where
     let zero = (CLOSE * smallest).max(ZERO);
     let nulls: Vec<usize> = (0..n).filter(|k| svd.singular_values[*k] <= zero).collect();
     let size = g.norm();
-    Ok(Some(Alternative {
+    let found = Alternative {
         smallest,
         places: grid.nodes.iter().map(|n| format!("{:?}", n.point)).collect(),
         null: nulls.iter().map(|&k| (0..n).map(|i| vt[(k, i)] / root(i)).collect()).collect(),
         solvability: nulls.iter().map(|&k| if size == 0.0 { 0.0 } else { u.column(k).dot(&g) / size }).collect(),
-    }))
+    };
+    Ok(Some((found, svd.singular_values.max())))
 }

@@ -6,12 +6,14 @@
 //! ```
 
 use super::basis::Basis;
+use super::double_exponential::DoubleExponential;
 
-/// Gauss nodes with polynomials, or equidistant ones with trigonometric polynomials.
+/// Gauss nodes with polynomials, equidistant ones with trigonometric polynomials, or double-exponential ones with sinc functions.
 #[derive(Clone, Debug)]
 pub(super) enum Axis {
     Gauss(Box<Basis>),
     Trapezoid(usize),
+    DoubleExponential(DoubleExponential),
 }
 
 impl Axis {
@@ -19,6 +21,7 @@ impl Axis {
         match self {
             Axis::Gauss(basis) => basis.len(),
             Axis::Trapezoid(n) => *n,
+            Axis::DoubleExponential(rule) => rule.len(),
         }
     }
 
@@ -26,6 +29,7 @@ impl Axis {
     pub(super) fn values(&self, u: f64, out: &mut [f64]) {
         let n = match self {
             Axis::Gauss(basis) => return basis.values(u, out),
+            Axis::DoubleExponential(rule) => return rule.values(u, out),
             Axis::Trapezoid(n) => *n,
         };
         let mut sum = 0.0;

@@ -9,6 +9,7 @@
 //! Limits that differ between the sides make a jump, slopes a kink. Eight places x are probed: what happens only elsewhere is not seen, and the solver does
 //! not rely on it: it refines where values say so, whatever the class.
 
+use super::ends::Ends;
 use super::near::components;
 use crate::domain::Domain;
 use crate::error::Error;
@@ -63,6 +64,8 @@ pub struct KernelClass {
     pub periodic: bool,
     /// Numerical rank to 12 digits, if it is at most 24.
     pub rank: Option<usize>,
+    /// K(x, ·) is singular at the lower and at the upper end of the domain.
+    pub singular_ends: [bool; 2],
     /// Mean distance between zeros of a row in units of the coordinate, if there are more than eight.
     pub half_wave: Option<f64>,
 }
@@ -109,6 +112,12 @@ impl fmt::Display for KernelClass {
         if let Some(rank) = self.rank {
             write!(f, ", rank {rank}")?;
         }
+        match self.singular_ends {
+            [true, true] => write!(f, ", singular in y at both ends")?,
+            [true, false] => write!(f, ", singular in y at the lower end")?,
+            [false, true] => write!(f, ", singular in y at the upper end")?,
+            [false, false] => {}
+        }
         if let Some(h) = self.half_wave {
             write!(f, ", oscillating with half waves of {h:.1e} of the domain")?;
         }
@@ -117,10 +126,10 @@ impl fmt::Display for KernelClass {
 }
 
 /// Places x and distances 2^{−k} of the room on each side.
-const PLACES: [f64; 8] = [0.0731, 0.1877, 0.3119, 0.4271, 0.5393, 0.6637, 0.7919, 0.9283];
+pub(super) const PLACES: [f64; 8] = [0.0731, 0.1877, 0.3119, 0.4271, 0.5393, 0.6637, 0.7919, 0.9283];
 const FINEST: i32 = 40;
 /// Differences below this share of the values are rounding.
-const NOISE: f64 = 1e-9;
+pub(super) const NOISE: f64 = 1e-9;
 /// A peak narrower than this counts as one.
 const NARROW: f64 = 0.06;
 /// Most rank that is worth a word, and the size of the sample it is found on.
@@ -165,6 +174,7 @@ pub fn classify<K: Kernel + HasDomain>(kernel: &K) -> Result<KernelClass, Error>
         symmetric: values.same(|t, u, _| ((t, u), (u, t))),
         periodic: linear && smooth && values.periodic(),
         rank: if smooth { values.rank() } else { None },
+        singular_ends: Ends::of_kernel(kernel).rows,
         half_wave: values.half_wave(),
     })
 }
@@ -314,17 +324,13 @@ impl Side {
     fn of(distances: &[f64], values: &[f64]) -> Self {
         let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let value = values.last().copied().unwrap_or(0.0);
-        let steps: Vec<f64> = values.windows(2).map(|v| v[1] - v[0]).collect();
-        // the deepest four differences in a row that are more than rounding
-        let above = |w: &[f64]| w.iter().all(|d| d.abs() > NOISE * size);
-        let Some(first) = (0..steps.len().saturating_sub(3)).rev().find(|&k| above(&steps[k..k + 4])) else {
+        let Some((growth, first)) = growth(values, NOISE * size) else {
             return Side::Limit { value, slope: 0.0, half: half(distances, values) };
         };
-        let window = &steps[first..first + 4];
-        let growth = ((window[3] / window[0]).abs().ln() / 3.0 / std::f64::consts::LN_2).exp2();
+        let step = values[first + 4] - values[first + 3];
         let exponent = growth.log2();
         // differences that fall like r² or faster: the slope is 0
-        let slope = if growth < 0.35 { 0.0 } else { window[3] / (distances[first + 4] - distances[first + 3]) };
+        let slope = if growth < 0.35 { 0.0 } else { step / (distances[first + 4] - distances[first + 3]) };
         match growth {
             g if g >= 2f64.powf(0.985) => Side::Singular(Diagonal::NotIntegrable { exponent }),
             g if (g - 1.0).abs() < 0.02 => Side::Singular(Diagonal::Logarithmic),
@@ -333,6 +339,14 @@ impl Side {
             _ => Side::Limit { value, slope, half: half(distances, values) },
         }
     }
+}
+
+/// By what the differences of values along halved distances grow in the deepest four in a row above `noise`, and the first of them.
+pub(super) fn growth(values: &[f64], noise: f64) -> Option<(f64, usize)> {
+    let steps: Vec<f64> = values.windows(2).map(|v| v[1] - v[0]).collect();
+    let above = |w: &[f64]| w.iter().all(|d| d.abs() > noise);
+    let first = (0..steps.len().saturating_sub(3)).rev().find(|&k| above(&steps[k..k + 4]))?;
+    Some((((steps[first + 3] / steps[first]).abs().ln() / 3.0).exp(), first))
 }
 
 /// The largest distance below which all values keep more than half of the innermost one.

@@ -6,10 +6,12 @@ use super::fast;
 use super::grid::Grid;
 use super::linear::Factor;
 use super::nystrom::Nystrom;
-use super::solution::NystromSolution;
+use super::solution::{NystromSolution, apply_row};
+use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
+use crate::parallel;
 use crate::source::Source;
 use crate::value::{Value, Weight};
 use nalgebra::DVector;
@@ -67,8 +69,7 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
         K::Weight: Weight<Value = G::Value>,
     {
         source.validate()?;
-        let at = |x: &K::Point| Some(source.eval(x)).filter(Value::all_finite).ok_or_else(|| Error::non_finite_source(x, &source.eval(x)));
-        let g = self.system.grid.nodes.iter().map(|n| at(&n.point)).collect::<Result<Vec<_>, _>>()?;
+        let g = values_at(source, &self.system.grid)?;
         let f = self.system.factor.try_solve(&components_of(&g))?;
         if f.iter().any(|v| !v.is_finite()) {
             return Err(Error::NonFiniteSolution { unknowns: f.len() });
@@ -76,6 +77,42 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
         let values = values_of(&f);
         Ok(NystromSolution::new(source.clone(), Arc::clone(&self.system), values))
     }
+}
+
+impl<K: Kernel + HasDomain> Factorised<K> {
+    /// (Tφ)(x) at any places, by the rule of the solve and without its matrix: one row of T each.
+    ///
+    /// ```
+    /// use fredholm::{Equation, deterministic::Nystrom, domain::Interval, source::source_fn};
+    /// let domain = Interval::from(0.0..=1.0);
+    /// let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y: f64| (x - y).abs().ln());
+    /// let log = eq.factorise(&Nystrom::graded(2, 16))?;
+    /// let image = log.apply(&source_fn(domain, |x: &f64| *x), &[0.0, 1.0])?;        // ∫ y ln|x − y| dy
+    /// assert!((image[0] + 0.25).abs() < 1e-14 && (image[1] + 0.75).abs() < 1e-14);
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteSource`] where φ, [`Error::NonFiniteKernel`] where K is not finite; [`Error::Outside`] for a place outside the domain.
+    pub fn apply<S>(&self, phi: &S, places: &[K::Point]) -> Result<Vec<S::Value>, Error>
+    where
+        S: Source<Point = K::Point>,
+        K::Weight: Weight<Value = S::Value>,
+    {
+        let System { kernel, grid, .. } = &*self.system;
+        let values = values_at(phi, grid)?;
+        let at = |x: &K::Point| match kernel.domain().contains(x) {
+            true => apply_row(kernel, grid, &values, x),
+            false => Err(Error::Outside { x: format!("{x:?}") }),
+        };
+        parallel::map(places.len(), |i| at(&places[i])).into_iter().collect()
+    }
+}
+
+/// A source at the nodes.
+fn values_at<S: Source>(source: &S, grid: &Grid<S::Point>) -> Result<Vec<S::Value>, Error> {
+    let at = |x: &S::Point| Some(source.eval(x)).filter(Value::all_finite).ok_or_else(|| Error::non_finite_source(x, &source.eval(x)));
+    grid.nodes.iter().map(|n| at(&n.point)).collect()
 }
 
 impl<K: Operator> System<K> {

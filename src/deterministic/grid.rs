@@ -2,6 +2,8 @@
 
 use super::axis::Axis;
 use super::basis::Basis;
+use super::double_exponential::DoubleExponential;
+use super::ends::{self, Ends};
 use super::erased::erased;
 use super::near::{Target, components, nearer_end};
 use crate::domain::{Domain, Node, Point};
@@ -19,11 +21,13 @@ const MOST_NODES: usize = 1 << 22;
 #[derive(Clone, Debug)]
 pub(crate) struct Grid<X> {
     pub(crate) nodes: Vec<Node<X>>,
-    panels: Option<Panels>,
+    pub(super) panels: Option<Panels>,
     /// of each coordinate, where the rule is a single tensor product
     tensor: Option<Vec<Axis>>,
     /// order of the rules around x by which rows are integrated
     centred: Option<usize>,
+    /// where rows are integrated towards ends of the domain
+    pub(super) ends: Ends,
 }
 
 /// Panels of the map's coordinate; nodes are ordered state by state, panel by panel.
@@ -77,7 +81,7 @@ impl<X: Point> Grid<X> {
         }
         let axis = |a: usize| if domain.is_periodic(a) { Axis::Trapezoid(order) } else { Axis::Gauss(Box::new(Basis::gauss(order))) };
         let tensor = (panels == 1).then(|| (0..domain.dimension()).map(axis).collect());
-        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor, centred: None })
+        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor, centred: None, ends: Ends::default() })
     }
 
     /// The domain's tensor rule, with rows by rules around x.
@@ -93,6 +97,43 @@ impl<X: Point> Grid<X> {
     /// Whether rows are integrated around x, whatever K does there.
     pub(crate) fn is_centred(&self) -> bool {
         self.centred.is_some()
+    }
+
+    /// `order` double-exponential nodes of a one-dimensional domain.
+    pub(crate) fn double_exponential<D: Domain<Point = X>>(domain: &D, order: usize) -> Result<Self, Error> {
+        check_size(order as f64 * domain.states() as f64)?;
+        let rule = DoubleExponential::on(domain, order);
+        let nodes = (0..domain.states()).flat_map(|state| rule.nodes(domain, state)).collect();
+        Ok(Grid { nodes, panels: None, tensor: Some(vec![Axis::DoubleExponential(rule)]), centred: None, ends: Ends::default() })
+    }
+
+    /// The same grid, with rows on the panels at singular ends integrated towards those.
+    pub(crate) fn towards(self, ends: Ends) -> Self {
+        Grid { ends, ..self }
+    }
+
+    /// Singular ends of the domain, as far as rows know.
+    pub(crate) fn ends(&self) -> Ends {
+        self.ends
+    }
+
+    /// Coordinates between which f is one piece: ends of panels, or double-exponential nodes.
+    pub(crate) fn cuts(&self) -> Vec<f64> {
+        match (&self.panels, self.tensor.as_deref()) {
+            (Some(panels), _) => panels.breaks.clone(),
+            (_, Some([Axis::DoubleExponential(rule)])) => rule.coordinates().collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Whether the values at the nodes are those of functions that may be singular at the ends.
+    pub(crate) fn is_double_exponential(&self) -> bool {
+        matches!(self.tensor.as_deref(), Some([Axis::DoubleExponential(_)]))
+    }
+
+    /// Whether the row at a target is integrated piece by piece on panel `p`.
+    pub(crate) fn is_product<K: Kernel<Point = X> + HasDomain>(&self, target: &Target<'_, K>, p: usize) -> bool {
+        self.panels.as_ref().is_some_and(|panels| self.ends.at(p, panels.count()).is_some() || target.is_near(panels.panel(p)))
     }
 
     /// Gauss–Legendre nodes of `order` on every panel of a one-dimensional domain; `breaks` ascend from 0 to 1.
@@ -116,21 +157,7 @@ impl<X: Point> Grid<X> {
             }
         }
         let pieces = Basis::gauss(order.max(16));
-        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None, centred: None })
-    }
-
-    /// A rule for the same domain that shares neither nodes nor order with this one.
-    pub(crate) fn independent<D: Domain<Point = X>>(&self, domain: &D) -> Result<Self, Error> {
-        if let Some(p) = &self.panels {
-            return Grid::panelled(domain, between(&p.breaks, domain.volume().is_finite()), p.basis.len() + 3);
-        }
-        let per_axis = (self.nodes.len() as f64 / domain.states() as f64).powf(1.0 / domain.dimension().max(1) as f64);
-        match domain.dimension() {
-            // towards the diagonal as well: a kink that the solve does not see must not hide here
-            1 => Grid::panelled(domain, vec![0.0, 0.27, 0.55, 0.81, 1.0], (per_axis / 3.0).ceil() as usize + 7),
-            _ if self.is_centred() => Grid::centred(domain, per_axis.round() as usize + 3),
-            _ => Grid::plain(domain, 1, per_axis.round() as usize + 3),
-        }
+        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None, centred: None, ends: Ends::default() })
     }
 
     pub(crate) fn panels(&self) -> Option<&Panels> {
@@ -149,6 +176,11 @@ impl<X: Point> Grid<X> {
             panels.basis.values((t - a) / (b - a), &mut weights);
             return Some(Stencil { first: first + p * weights.len(), weights });
         }
+        // rounding is all that sinc functions leave of what is close to an end
+        const EDGE: f64 = 1e-6;
+        if self.is_double_exponential() && !(EDGE..=1.0 - EDGE).contains(&domain.coordinate(x, 0)) {
+            return None;
+        }
         let mut weights = vec![1.0];
         for (a, axis) in self.tensor.as_ref()?.iter().enumerate() {
             let mut factors = vec![0.0; axis.len()];
@@ -157,6 +189,11 @@ impl<X: Point> Grid<X> {
             weights = factors.iter().flat_map(|l| weights.iter().map(move |w| w * l)).collect();
         }
         Some(Stencil { first, weights })
+    }
+
+    /// Whether f − g at x is to be had from values at the nodes alone: so close to an end where K(x, ·) is unbounded that rows cannot be trusted.
+    pub(crate) fn is_held_off<D: Domain<Point = X>>(&self, domain: &D, x: &X) -> bool {
+        self.panels.is_some() && self.ends.held_off(domain, x) != *x
     }
 
     /// The row of T at x: `out[(a n + j) c + b]` is the weight of component b of f(y_j) in component a of (Tf)(x). Returns kernel evaluations.
@@ -173,19 +210,23 @@ impl<X: Point> Grid<X> {
         };
         let (c, n) = (components::<K>(), self.nodes.len());
         let kernel_by_values = erased(kernel);
+        let x = &self.ends.held_off(kernel.domain(), x);
         let target = Target::new(&kernel_by_values, x);
         let p = panels.basis.len();
         let mut block = vec![0.0; p * c * c];
         let mut evaluations = 0;
         for index in 0..n / p {
-            let panel = panels.panel(index % panels.count());
-            if !target.is_near(panel) {
+            let (state, panel) = (index / panels.count(), panels.panel(index % panels.count()));
+            if !self.is_product(&target, index % panels.count()) {
                 self.far(kernel, x, index * p, p, out)?;
                 evaluations += p as u64;
                 continue;
             }
             block.fill(0.0);
-            evaluations += target.moments(index / panels.count(), panel, &panels.basis, &panels.pieces, &mut block)?;
+            evaluations += match self.ends.at(index % panels.count(), panels.count()) {
+                Some(end) => ends::moments(&target, end, state, panel, (&panels.basis, &panels.pieces), &mut block)?,
+                None => target.moments(state, panel, &panels.basis, &panels.pieces, &mut block)?,
+            };
             for (l, entries) in block.chunks_exact(c * c).enumerate() {
                 entries.iter().enumerate().for_each(|(e, w)| out[((e / c) * n + index * p + l) * c + e % c] = *w);
             }
@@ -265,27 +306,6 @@ fn add_panel<D: Domain>(domain: &D, state: usize, (a, b): (f64, f64), basis: &Ba
     }
     basis.shifted_weights(&shifts, &mut weights);
     nodes[first..].iter_mut().zip(&weights).for_each(|(n, w)| n.weight *= w * (b - a));
-}
-
-/// The same breaks with one more near the middle of every third panel, so that panels and nodes differ, and two more in the shortest panels around:
-/// there f is singular, and more nodes on the same panel would make the same error again.
-fn between(breaks: &[f64], finite: bool) -> Vec<f64> {
-    let length = |i: usize| breaks.get(i + 1).map_or(f64::INFINITY, |b| b - breaks[i]);
-    let mut out = vec![breaks[0]];
-    for (i, ends) in breaks.windows(2).enumerate() {
-        let (a, h) = (ends[0], ends[1] - ends[0]);
-        let before = if i == 0 { f64::INFINITY } else { length(i - 1) };
-        // nothing is singular at infinity
-        let inside = finite || i + 2 < breaks.len();
-        // equal up to rounding counts as shortest
-        if inside && h <= 1.001 * before.min(length(i + 1)) && (h < 0.9 * before.max(length(i + 1)) || breaks.len() < 4) {
-            out.extend([a + 0.09 * h, a + 0.91 * h]);
-        } else if i % 3 == 0 {
-            out.push(a + 0.46 * h);
-        }
-        out.push(ends[1]);
-    }
-    out
 }
 
 /// Refuses systems that would not fit.

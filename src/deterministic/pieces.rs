@@ -81,7 +81,7 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
 
     /// One side of x: distances from `nearest` to `farthest`.
     pub(super) fn side(&mut self, sign: f64, nearest: f64, farthest: f64) -> Result<(), Error> {
-        let smallest = self.target.resolved.max(SMALLEST_PIECE * (self.panel.1 - self.panel.0));
+        let smallest = self.target.resolved.max(SMALLEST_PIECE * (self.panel.1 - self.panel.0).min(self.target.scale));
         let stop = nearest.max(smallest);
         let mut outer = farthest;
         let mut halvings = 0;
@@ -178,8 +178,9 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         let (c2, t) = (components::<K>().pow(2), self.target.t);
         // within 8s of the domain's end the other side must serve
         let reach = if self.target.reaches(sign, 8.0 * s) { sign } else { -sign };
-        for (e, means) in self.means::<3>(reach, s)?.into_iter().enumerate() {
-            let (whole, power) = below(means).map_err(|ratio| Error::NotIntegrable { x: format!("{:?}", self.target.x), ratio })?;
+        let count = if self.target.reaches(reach, 16.0 * s) && 16.0 * s < self.target.scale { 4 } else { 3 };
+        for (e, means) in self.means(reach, s, count)?.into_iter().enumerate() {
+            let (whole, power) = below(&means).map_err(|ratio| self.not_integrable(ratio))?;
             let share = (farthest / s).powf(power) - (nearest / s).powf(power);
             // centre of the mass r^{power − 1} dr: a straight line is integrated exactly
             let centre = nearest + (farthest - nearest) * power / (1.0 + power);
@@ -189,17 +190,24 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         Ok(())
     }
 
+    fn not_integrable(&self, ratio: f64) -> Error {
+        let x = format!("{:?}", self.target.x);
+        match self.target.end {
+            Some(_) => Error::NotIntegrableAtEnd { x, end: format!("{:?}", self.target.centre), ratio },
+            None => Error::NotIntegrable { x, ratio },
+        }
+    }
+
     /// Whether ∫ K over distances below s may be extrapolated: from [2s, 16s] it must come out as from [s, 8s], up to a share of what there is of K on the
     /// panel, and K must go on as foreseen.
     fn is_settled(&mut self, sign: f64, s: f64) -> Result<bool, Error> {
         if !self.target.reaches(sign, 16.0 * s) {
             return Ok(false);
         }
-        let c2 = components::<K>().pow(2);
-        let means = self.means::<4>(sign, s)?;
+        let (c2, means) = (components::<K>().pow(2), self.means(sign, s, 4)?);
         // the integrals against P₀ come first
         for (means, panel) in means.into_iter().zip(&self.integrals) {
-            let (Ok((inner, _)), Ok((outer, _))) = (below([means[0], means[1], means[2]]), below([means[1], means[2], means[3]])) else {
+            let (Ok((inner, _)), Ok((outer, _))) = (below(&means[..3]), below(&means[1..])) else {
                 return Ok(false);
             };
             if !(s * (2.0 * outer - inner - means[0]).abs() <= EXTRAPOLATED * panel.abs()) {
@@ -255,13 +263,14 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         Ok(true)
     }
 
-    /// Means of K dμ/dt over distances [s, 2s], [2s, 4s], …, entry by entry.
-    fn means<const N: usize>(&mut self, sign: f64, s: f64) -> Result<Vec<[f64; N]>, Error> {
-        let mut means = vec![[0.0; N]; components::<K>().pow(2)];
-        for k in 0..N {
-            let length = s * (1u32 << k) as f64;
+    /// Means of K dμ/dt over `count` distances [s, 2s], [2s, 4s], …, entry by entry.
+    fn means(&mut self, sign: f64, s: f64, count: usize) -> Result<Vec<Vec<f64>>, Error> {
+        let mut means = vec![Vec::with_capacity(count); components::<K>().pow(2)];
+        let mut length = s;
+        for _ in 0..count {
             let masses = self.mass(sign, length, 2.0 * length)?;
-            means.iter_mut().zip(masses).for_each(|(means, mass)| means[k] = mass / length);
+            means.iter_mut().zip(masses).for_each(|(means, mass)| means.push(mass / length));
+            length *= 2.0;
         }
         Ok(means)
     }

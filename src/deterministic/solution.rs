@@ -94,7 +94,19 @@ where
         if !g.all_finite() {
             return Err(Error::non_finite_source(x, &g));
         }
-        Ok(g + apply_row(&self.system.kernel, &self.system.grid, &self.values, x)?)
+        Ok(g + self.image(x)?)
+    }
+
+    /// (Tf)(x): by the row at x, or from f − g at the nodes where there is none to be trusted.
+    fn image(&self, x: &K::Point) -> Result<G::Value, Error> {
+        let (grid, domain) = (&self.system.grid, self.system.kernel.domain());
+        match grid.is_held_off(domain, x).then(|| grid.stencil(domain, x)).flatten() {
+            Some(stencil) => {
+                let term = |j: usize, a: usize| self.values[j].component(a) - self.source.eval(&grid.nodes[j].point).component(a);
+                Ok(G::Value::from_components(|a| stencil.apply(|j| term(j, a))))
+            }
+            None => apply_row(&self.system.kernel, grid, &self.values, x),
+        }
     }
 
     /// (Tf)(x) = f(x) − g(x), without the cancellation of taking the difference.
@@ -105,7 +117,7 @@ where
         if !self.system.kernel.domain().contains(&x) {
             return Err(Error::Outside { x: format!("{x:?}") });
         }
-        apply_row(&self.system.kernel, &self.system.grid, &self.values, &x)
+        self.image(&x)
     }
 
     /// The nodes y_j.
@@ -139,6 +151,14 @@ where
     #[must_use]
     pub fn magnitude(&self) -> f64 {
         self.values.iter().map(Value::magnitude).fold(0.0, f64::max)
+    }
+
+    /// The same but for what is closer to an end of a line than a millionth of it: f may grow beyond all bounds there.
+    pub(super) fn bulk(&self) -> f64 {
+        const EDGE: f64 = 1e-6;
+        let domain = self.system.kernel.domain();
+        let inside = |x: &K::Point| domain.dimension() > 1 || (EDGE..=1.0 - EDGE).contains(&domain.coordinate(x, 0));
+        self.nodes().zip(&self.values).filter(|(x, _)| inside(x)).map(|(_, f)| f.magnitude()).fold(0.0, f64::max)
     }
 
     /// Size of the linear system.
@@ -253,7 +273,7 @@ where
 }
 
 /// Σ_j (row of T at x)_j f_j.
-fn apply_row<K, V>(kernel: &K, grid: &Grid<K::Point>, values: &[V], x: &K::Point) -> Result<V, Error>
+pub(super) fn apply_row<K, V>(kernel: &K, grid: &Grid<K::Point>, values: &[V], x: &K::Point) -> Result<V, Error>
 where
     K: Kernel + HasDomain,
     K::Weight: Weight<Value = V>,

@@ -8,22 +8,21 @@
 //! What is narrower than the lattice of places can still hide: 1/3072 of a line away from the diagonal, 1/64 of the side of a square, 1/16 of a cube's, and
 //! in x, where K is localised in both variables, 1/62 of a line. No finite number of values excludes it.
 
-use super::grid::{Grid, Stencil};
+use super::grid::Grid;
 use super::near::{Target, components};
+use super::scan::{Largest, Scan};
 use super::solution::NystromSolution;
-use crate::domain::{Domain, Node, Point};
+use crate::domain::{Domain, Node};
 use crate::equation::Equation;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::parallel;
-use crate::sampling::{Pcg, Sampler, Sequence};
+use crate::sampling::{Pcg, Sequence};
 use crate::source::Source;
 use crate::value::{Value, Weight};
 
 /// Places off the nodes.
 const PROBES: u64 = 14;
-/// Places of the scan on a line.
-const SCANNED: usize = 3072;
 /// Rows scanned beside those of the probes, on a line.
 const ROWS: usize = 48;
 /// What of a row is more than interpolation, which the rule squares: a feature that the nodes do not have.
@@ -32,6 +31,9 @@ const FEATURE: f64 = 1e-5;
 const POLYNOMIAL: f64 = 0.01;
 /// An error found by defect correction is known to its own order of magnitude.
 const SAFETY: f64 = 1.5;
+
+/// Values of K, taken to be good to 2 ε, and those of g err alike in both rules: neither check can see what that does.
+pub(super) const ROUNDING: f64 = 4.0;
 
 /// What the checks found.
 pub(super) struct Verdict {
@@ -53,7 +55,7 @@ where
     K::Weight: Weight<Value = G::Value>,
 {
     let check = Check { equation, fine };
-    let probes: Vec<K::Point> = (0..PROBES).filter_map(|i| check.probe(i)).collect();
+    let probes: Vec<K::Point> = (0..PROBES).filter_map(|i| check.probe(i)).chain(check.towards_ends()).collect();
     let (change, doubtful) = check.change(coarse, &probes, allowed)?;
     if !(change <= allowed && allowed.is_finite()) {
         return Ok(Verdict { error: change, doubtful });
@@ -61,20 +63,10 @@ where
     fine.prepare_residuals(POLYNOMIAL * allowed);
     let residual = check.residual(&probes)?;
     let unseen = check.unseen(&probes, allowed)?;
-    // values of K, taken to be good to 1.4 ε, err alike in both rules: neither check can see what that does
     let mut error = Largest::default();
-    [change, residual, unseen, 2.75 * rounding(fine)].into_iter().for_each(|e| error.see(e));
+    let held = check.held_off(coarse)?;
+    [change, residual, unseen, held, ROUNDING * rounding(fine)].into_iter().for_each(|e| error.see(e));
     Ok(Verdict { error: error.0, doubtful: Vec::new() })
-}
-
-/// The largest of numbers that are not negative; NaN counts as infinite, where `f64::max` would drop it.
-#[derive(Default)]
-struct Largest(f64);
-
-impl Largest {
-    fn see(&mut self, value: f64) {
-        self.0 = if value.is_nan() { f64::INFINITY } else { self.0.max(value) };
-    }
 }
 
 /// What one rounding of every value of K in the same direction does to f: ½ε (I − T)⁻¹ T f.
@@ -104,6 +96,33 @@ where
 {
     fn grid(&self) -> &Grid<K::Point> {
         &self.fine.system().grid
+    }
+
+    /// What is known of f at ends where [rows cannot be trusted](Grid::is_held_off): it is extrapolated, and from panels of two orders d^0.2 comes out 8 times
+    /// closer than either is.
+    fn held_off(&self, coarse: &NystromSolution<G, K>) -> Result<f64, Error> {
+        let (domain, grid) = (self.equation.kernel().domain(), self.grid());
+        let mut worst = Largest::default();
+        for (end, state) in [0.0, 1.0].into_iter().flat_map(|end| (0..domain.states()).map(move |s| (end, s))) {
+            let at = domain.place(state, || end).point;
+            if grid.is_held_off(domain, &at) {
+                worst.see(8.0 * (coarse.integral_term(at)? - self.fine.integral_term(at)?).magnitude());
+                // nodes whose rows are those of another place
+                let first = if end == 0.0 { grid.nodes.first() } else { grid.nodes.last() };
+                if first.is_some_and(|n| grid.is_held_off(domain, &n.point)) {
+                    worst.see(f64::INFINITY);
+                }
+            }
+        }
+        Ok(worst.0)
+    }
+
+    /// Places towards ends where K(x, ·) is unbounded.
+    fn towards_ends(&self) -> impl Iterator<Item = K::Point> {
+        let (domain, ends) = (self.equation.kernel().domain(), self.grid().ends());
+        let unbounded = [0.0, 1.0].into_iter().filter(move |end| ends.unbounded[*end as usize]);
+        let at = unbounded.flat_map(move |end| (0..domain.states()).map(move |state| (end, state)));
+        at.flat_map(move |(end, state)| (2..13).map(move |k| domain.place(state, || (end - 0.17 * 0.3f64.powi(k)).abs()).point))
     }
 
     /// A place that no rule has as a node: random, and in one dimension at both ends and close to them as well.
@@ -147,7 +166,8 @@ where
         let at_nodes = at_nodes.into_iter().collect::<Result<Vec<_>, _>>()?;
         let (mut worst, mut elsewhere) = (Largest::default(), Largest::default());
         self.fine.system().inverse_of(&at_nodes).iter().for_each(|e| worst.see(e.magnitude()));
-        for residual in parallel::map(probes.len(), |i| self.fine.residual(probes[i])) {
+        let probes: Vec<&K::Point> = probes.iter().filter(|x| !self.grid().is_held_off(self.equation.kernel().domain(), x)).collect();
+        for residual in parallel::map(probes.len(), |i| self.fine.residual(*probes[i])) {
             elsewhere.see(residual?.magnitude());
         }
         Ok(SAFETY * (worst.0 + elsewhere.0))
@@ -159,7 +179,7 @@ where
         let (domain, c) = (self.equation.kernel().domain(), components::<K>());
         let scan = Scan::of(domain, self.grid());
         let more = if domain.dimension() == 1 { ROWS } else { 0 };
-        let more = (0..more).map(|i| scan.places[(i * scan.places.len() + scan.places.len() / 2) / ROWS].point);
+        let more = (0..more).map(|i| domain.place(i % domain.states(), || (i as f64 + 0.37) / ROWS as f64).point);
         let rows: Vec<K::Point> = probes.iter().copied().chain(more).collect();
         let lines = |along, at: &[K::Point]| parallel::map(at.len() * c * c, |i| self.line(&scan, along, &at[i / (c * c)], i % (c * c)));
         let (mut largest, mut mass, mut row, mut column) = (Largest::default(), Largest::default(), Largest::default(), Largest::default());
@@ -179,15 +199,20 @@ where
         let ask_f = self.grid().panels().is_none() || column.0 > 0.0;
         let (largest, mass, row) = (largest.0, mass.0, row.0);
         // |Tδ| ≤ sup|K| ∫|δ| and ≤ ‖T‖ sup|δ|: the second where the domain is infinite
-        let image = |(gap, worst): (f64, f64)| (largest * gap).min(mass * worst);
+        let image = |gaps: &[f64]| {
+            let (gap, worst) = scan.sum_and_largest(gaps);
+            let bound = (largest * gap).min(mass * worst);
+            // K may be unbounded and gaps are anything at the very ends: row by row
+            if self.grid().is_double_exponential() { bound.min(self.image(&scan, &rows, gaps)) } else { bound }
+        };
         let mut unseen = Largest(self.fine.magnitude() * row);
         let mut scanned: Option<Vec<G::Value>> = None;
         for a in 0..c {
             let g = |x: &K::Point| self.equation.source().eval(x).component(a);
             let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| g(&n.point)).collect();
-            let of_g = scan.gap(self.grid(), domain, &at_nodes, |i| Some(g(&scan.places[i].point)));
+            let of_g = scan.gaps(self.grid(), domain, &at_nodes, |i| Some(g(&scan.places[i].point)));
             // a singularity of g that T f takes away is none of f: ask f, which costs more
-            if ask_f || !(image(of_g) * self.fine.inverse_norm() <= 0.1 * allowed) {
+            if ask_f || !(image(&of_g) * self.fine.inverse_norm() <= 0.1 * allowed) {
                 // once for all components
                 let values = match scanned.take() {
                     Some(values) => values,
@@ -196,11 +221,22 @@ where
                         .collect::<Result<_, _>>()?,
                 };
                 let at_nodes: Vec<f64> = self.fine.values().iter().map(|f| f.component(a)).collect();
-                unseen.see(image(scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i].component(a)))));
+                unseen.see(image(&scan.gaps(self.grid(), domain, &at_nodes, |i| Some(values[i].component(a)))));
                 scanned = Some(values);
             }
         }
         Ok(self.fine.inverse_norm() * unseen.0)
+    }
+
+    /// Largest ∫ |K(x, ·)| gaps of the rows, entry by entry; what is not finite counts as nothing, being at an end.
+    fn image(&self, scan: &Scan<K::Point>, rows: &[K::Point], gaps: &[f64]) -> f64 {
+        let (kernel, c) = (self.equation.kernel(), components::<K>());
+        let of_row = |i: usize| {
+            let k = |n: &Node<K::Point>| kernel.eval(&rows[i / (c * c)], &n.point).entry(i % (c * c) / c, i % c).abs();
+            scan.places.iter().zip(gaps).map(|(n, gap)| n.weight * k(n) * gap).filter(|v| v.is_finite()).sum::<f64>()
+        };
+        let images = parallel::map(rows.len() * c * c, of_row);
+        images.into_iter().fold(0.0, f64::max)
     }
 
     /// Entry `e` of a row or column of K at x over the scan. Where rows are integrated towards the diagonal, what they do is not the rule's to resolve.
@@ -208,7 +244,7 @@ where
         let (kernel, domain, c) = (self.equation.kernel(), self.equation.kernel().domain(), components::<K>());
         let near: Vec<bool> = self.grid().panels().map_or_else(Vec::new, |panels| {
             let target = Target::new(kernel, x);
-            (0..panels.count()).map(|p| target.is_near(panels.panel(p))).collect()
+            (0..panels.count()).map(|p| self.grid().is_product(&target, p)).collect()
         });
         let centred = self.grid().is_centred();
         let far = |y: &K::Point| !centred && self.grid().panels().is_none_or(|panels| !near[panels.at(domain.coordinate(y, 0))]);
@@ -221,7 +257,8 @@ where
         let size = values.iter().filter(counts).fold(0.0f64, |m, (k, _)| m.max(k.abs()));
         let mass = scan.places.iter().zip(&values).map(|(n, (k, _))| n.weight * k.abs()).filter(|k| k.is_finite()).sum();
         let at_nodes: Vec<f64> = self.grid().nodes.iter().map(|n| if far(&n.point) { k(&n.point) } else { 0.0 }).collect();
-        let (gap, worst) = scan.gap(self.grid(), domain, &at_nodes, |i| Some(values[i].0).filter(|_| values[i].1));
+        let gaps = scan.gaps(self.grid(), domain, &at_nodes, |i| Some(values[i].0).filter(|_| values[i].1));
+        let (gap, worst) = scan.sum_and_largest(&gaps);
         let highest = (0..values.len()).filter(|i| values[*i].1).max_by(|i, j| values[*i].0.abs().total_cmp(&values[*j].0.abs()));
         Line { highest: highest.unwrap_or(0), size, mass, gap: if worst > FEATURE * size { gap } else { 0.0 } }
     }
@@ -246,52 +283,4 @@ struct Line {
     mass: f64,
     /// ∫ |K − interpolant|, if it is more than interpolation
     gap: f64,
-}
-
-/// Places of a jittered lattice, each with its share of the measure.
-struct Scan<X> {
-    places: Vec<Node<X>>,
-    /// of every place, on a line; made anew for every row elsewhere, where they are long
-    stencils: Vec<Option<Stencil>>,
-}
-
-impl<X: Point> Scan<X> {
-    fn of<D: Domain<Point = X>>(domain: &D, grid: &Grid<X>) -> Self {
-        let d = domain.dimension();
-        let side = [SCANNED, 64, 16, 8].get(d - 1).copied().unwrap_or(4);
-        let count = side.pow(d as u32);
-        let place = |state: usize, i: usize| {
-            let (mut rest, mut u) = (i, Pcg::default().point(u64::MAX - 3, state as u32, i as u64));
-            let n = domain.place(state, || {
-                let cell = rest % side;
-                rest /= side;
-                (cell as f64 + u.next_1d()) / side as f64
-            });
-            Node { point: n.point, weight: n.weight / count as f64 }
-        };
-        let places: Vec<_> = (0..domain.states()).flat_map(|s| (0..count).map(move |i| (s, i))).map(|(s, i)| place(s, i)).collect();
-        let stencils = if d == 1 { places.iter().map(|n| grid.stencil(domain, &n.point)).collect() } else { Vec::new() };
-        Scan { places, stencils }
-    }
-
-    /// ∫ |φ − interpolant| over the places where φ is given, and the largest |φ − interpolant|.
-    fn gap<D: Domain<Point = X>>(&self, grid: &Grid<X>, domain: &D, nodes: &[f64], phi: impl Fn(usize) -> Option<f64>) -> (f64, f64) {
-        let (mut sum, mut largest) = (Largest::default(), Largest::default());
-        for (i, n) in self.places.iter().enumerate() {
-            let Some(value) = phi(i) else { continue };
-            let made;
-            let stencil = match self.stencils.get(i) {
-                Some(stencil) => stencil,
-                None => {
-                    made = grid.stencil(domain, &n.point);
-                    &made
-                }
-            };
-            let Some(stencil) = stencil else { continue };
-            let gap = (value - stencil.apply(|j| nodes[j])).abs();
-            largest.see(gap);
-            sum.see(sum.0 + n.weight * gap);
-        }
-        (sum.0, largest.0)
-    }
 }

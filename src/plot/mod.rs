@@ -25,7 +25,6 @@
 //! in grey. plotters draws the primitives; the axes are our own, because its charts have no minor ticks, powers of ten or outside legends.
 
 mod axis;
-mod band;
 mod comparison;
 mod convergence;
 mod drawing;

@@ -230,10 +230,8 @@ impl Parts {
 /// What is known of a law beforehand is not asked at every step.
 fn simplify(material: &mut Material) {
     // a matt dielectric without a coat is Lambert's law
-    if let Law::MetallicRoughness { base, metallic, coat, grazing, .. } = material.law {
-        if metallic == 0.0 && coat == Rgb::ZERO && grazing == 0.0 {
-            material.law = Law::Fixed(Bsdf::Lambertian { albedo: base });
-        }
+    if let Law::MetallicRoughness { base, metallic: 0.0, coat: Rgb::ZERO, grazing: 0.0, .. } = material.law {
+        material.law = Law::Fixed(Bsdf::Lambertian { albedo: base });
     }
     if let Law::Fixed(Bsdf::Lambertian { albedo: Rgb::ZERO } | Bsdf::Mirror { reflectance: Rgb::ZERO }) = material.law {
         material.law = Law::Fixed(Bsdf::Black);

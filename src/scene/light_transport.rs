@@ -14,6 +14,7 @@
 //!
 //! So `Walk::mis()` on this equation is the path tracer of Veach (1997), and this module has no integrator.
 
+use super::counters::{Counters, count};
 use super::frame::{Frame, Vec3};
 use super::geometry::Surface;
 use super::material::{Bsdf, Sides};
@@ -30,17 +31,21 @@ use std::sync::Arc;
 
 /// The source Lₑ: what surfaces, environment and lights without extent emit.
 #[derive(Clone, Debug)]
-pub struct Emission(pub(super) Arc<Inner>);
+pub struct Emission(pub(super) Arc<Inner>, Option<Arc<Counters>>);
 
 /// The kernel K: one reflection or refraction, and the flight to the next surface.
 #[derive(Clone, Debug)]
-pub struct LightTransport(pub(super) Arc<Inner>);
+pub struct LightTransport(pub(super) Arc<Inner>, Option<Arc<Counters>>);
 
 impl Scene {
     /// The equation of light in this scene.
     #[must_use]
     pub fn light_transport(&self) -> Equation<Emission, LightTransport> {
-        Equation::new(Emission(self.0.clone()), LightTransport(self.0.clone()))
+        self.transport(None)
+    }
+
+    pub(super) fn transport(&self, counters: Option<Arc<Counters>>) -> Equation<Emission, LightTransport> {
+        Equation::new(Emission(self.0.clone(), counters.clone()), LightTransport(self.0.clone(), counters))
     }
 }
 
@@ -194,8 +199,16 @@ impl SampleSource for Emission {
     /// Nothing is drawn for mirrors, clear glass and black backs, nor where all lights face away.
     #[inline]
     fn sample_for<S: Sampler>(&self, x: &State, u: &mut S) -> Option<Node<State>> {
-        let local = self.0.local(x).filter(|l| !l.bsdf.is_singular())?;
-        self.0.lights.sample(&x.position.into(), &self.0.receiving(&local), self.0.environment.as_ref(), u)
+        let Emission(scene, counters) = self;
+        let Some(local) = scene.local(x).filter(|l| !l.bsdf.is_singular()) else {
+            count(counters, |c| &c.mirrors);
+            return None;
+        };
+        let event = scene.lights.sample(&x.position.into(), &scene.receiving(&local), scene.environment.as_ref(), u);
+        if event.is_none() {
+            count(counters, |c| &c.unseen);
+        }
+        event
     }
 
     #[inline]
@@ -228,10 +241,20 @@ impl Kernel for LightTransport {
     /// Everything that can be 0 is asked before the shadow ray.
     #[inline]
     fn eval(&self, x: &State, y: &State) -> Rgb {
-        let Some(local) = self.0.local(x) else { return Rgb::ZERO };
-        let Some(Connection { direction, solid_angle }) = self.0.connection(x, y) else { return Rgb::ZERO };
+        let LightTransport(scene, counters) = self;
+        let Some(local) = scene.local(x) else { return Rgb::ZERO };
+        let Some(Connection { direction, solid_angle }) = scene.connection(x, y) else { return Rgb::ZERO };
         let value = local.value(&direction).scaled(solid_angle);
-        if value == Rgb::ZERO || !self.0.visible(x, y, &direction) { Rgb::ZERO } else { value }
+        if value == Rgb::ZERO {
+            count(counters, |c| &c.dark);
+            return Rgb::ZERO;
+        }
+        count(counters, |c| &c.shadow_rays);
+        if scene.visible(x, y, &direction) {
+            return value;
+        }
+        count(counters, |c| &c.blocked);
+        Rgb::ZERO
     }
 }
 
@@ -246,6 +269,7 @@ impl Transition for LightTransport {
         if ray.weight == Rgb::ZERO || !local.agree(&direction) {
             return Some(Step::regular(State::VOID, Rgb::ZERO));
         }
+        count(&self.1, |c| &c.rays);
         let point = self.0.trace(&self.0.surface(primitive, x).spawn(direction.into()), &direction);
         Some(if ray.pdf == f64::INFINITY { Step::singular(point, ray.weight) } else { Step::regular(point, ray.weight) })
     }

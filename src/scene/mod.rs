@@ -33,6 +33,7 @@
 
 mod builder;
 mod camera;
+mod counters;
 mod film;
 mod frame;
 pub mod geometry;
@@ -53,6 +54,7 @@ pub(crate) mod vector;
 
 pub use builder::{Attributes, MaterialId, SceneBuilder};
 pub use camera::Camera;
+pub use counters::Counters;
 pub use film::{Film, Filter};
 pub use image::Image;
 pub use light::Environment;
@@ -185,13 +187,11 @@ impl Inner {
 
 impl Scene {
     /// An empty scene, to be filled.
-    #[must_use]
     pub fn builder() -> SceneBuilder {
         SceneBuilder::default()
     }
 
     /// A film of `width` × `height` pixels behind a camera, with a box filter.
-    #[must_use]
     pub fn film(&self, camera: Camera, width: usize, height: usize) -> Film {
         Film::new(self.clone(), camera, width, height)
     }

@@ -38,6 +38,11 @@ impl Tail {
             self.count += block.count;
             self.largest.extend_from_slice(&block.largest);
         }
+        self.keep_the_largest();
+    }
+
+    /// A function of its own: sorting is compiled once, not for every iterator of blocks.
+    fn keep_the_largest(&mut self) {
         self.largest.sort_unstable_by(|a, b| b.total_cmp(a));
         self.largest.truncate(KEPT);
     }

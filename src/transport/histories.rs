@@ -220,7 +220,7 @@ impl<T: Tally> Histories<T> {
         let fate =
             |end: End| Fate { count: count(end), rate: estimate(&batches.iter().map(|b| b.weights[end as usize]).collect::<Vec<_>>()) };
         let (captured, left, right) = (fate(End::Captured), fate(End::Left), fate(End::Right));
-        let flux = self.tally.finish(grid, batches.into_iter().map(|b| b.bins).collect(), &estimate);
+        let flux = self.tally.finish(grid, batches.into_iter().map(|b| b.bins).collect(), size, &estimate);
         Outcome { flux, captured, left, right, histories, collisions, elapsed }
     }
 }

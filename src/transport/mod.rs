@@ -14,7 +14,7 @@
 //! | [`ImplicitCapture`] | the same kernel, walked without capture, weight c a step |
 //! | [`UniformSource`], [`BeamSource`] | sources with exact sampling; [`Slab::source`] takes a closure |
 //! | [`Critical`] | the c or the thickness at which a slab is critical, with its flux |
-//! | [`Histories`] | forward analog histories with [`CollisionTally`] and [`TrackTally`]: the flux of every bin with its error |
+//! | [`Histories`] | forward analog histories with [`CollisionTally`], [`TrackTally`] (flux of every bin, as a curve with its band) and [`SurfaceTally`] (currents at every edge) |
 //!
 //! The module uses the core and adds nothing to it: a slab is a kernel.
 //!
@@ -32,6 +32,7 @@ mod histories;
 mod implicit;
 mod slab;
 mod source;
+mod surface;
 mod tally;
 
 pub use critical::Critical;
@@ -39,4 +40,5 @@ pub use histories::{Fate, Histories, Outcome};
 pub use implicit::ImplicitCapture;
 pub use slab::Slab;
 pub use source::{BeamSource, UniformSource};
+pub use surface::{Currents, SurfaceTally};
 pub use tally::{CollisionTally, Flight, Flux, Grid, Tally, TrackTally};

@@ -11,7 +11,7 @@
 
 use crate::domain::Interval;
 use crate::error::Error;
-use crate::statistics::Estimate;
+use crate::statistics::{Bias, Estimate, Profile};
 use std::fmt::Debug;
 
 /// Equal bins of a slab.
@@ -114,8 +114,8 @@ pub trait Tally: Copy + Debug + Send + Sync + 'static {
         let _ = (grid, bins, x, weight);
     }
 
-    /// From the sums of all batches, in order; `estimate` turns one number a batch into a value with its error.
-    fn finish(&self, grid: &Grid, batches: Vec<Self::Bins>, estimate: &dyn Fn(&[f64]) -> Estimate) -> Self::Flux;
+    /// From the sums of all batches of `size` histories, in order; `estimate` turns one sum a batch into a mean with its error.
+    fn finish(&self, grid: &Grid, batches: Vec<Self::Bins>, size: u64, estimate: &dyn Fn(&[f64]) -> Estimate) -> Self::Flux;
 }
 
 /// The scalar flux Φ, averaged over each bin, with its error.
@@ -123,6 +123,8 @@ pub trait Tally: Copy + Debug + Send + Sync + 'static {
 pub struct Flux {
     grid: Grid,
     bins: Vec<Estimate>,
+    /// Φ of every bin, batch by batch
+    batches: Vec<Vec<f64>>,
 }
 
 impl Flux {
@@ -138,6 +140,24 @@ impl Flux {
         &self.bins
     }
 
+    /// The flux as a curve through the middles of the bins, with covariances and a band that holds for all bins at once.
+    ///
+    /// ```
+    /// use fredholm::transport::{Histories, Slab, TrackTally};
+    /// let slab = Slab::new(2.0).scattering(0.8);
+    /// let flux = Histories::new(TrackTally).bins(10).run(&slab, &slab.uniform(1.0))?.flux.profile();
+    /// let band = flux.band(0.95).expect("100 batches");
+    /// assert!(band.critical > 2.0 && band.lower[5] < flux.values()[5]);
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    #[must_use]
+    pub fn profile(&self) -> Profile<f64> {
+        let points = (0..self.grid.bins).map(|i| self.grid.centre(i)).collect();
+        let verdicts = self.bins.iter().map(Estimate::verdict).collect();
+        let bias = Bias::CellMeans { width: self.grid.width };
+        Profile::of_batches(points, self.batches.clone(), verdicts, self.bins.clone(), bias)
+    }
+
     /// Mean over the bins of the relative variance of Φ: the σ² of the figure of merit 1/(σ²T). `None` with one batch, or where nothing scored.
     #[must_use]
     pub fn relative_variance(&self) -> Option<f64> {
@@ -147,9 +167,11 @@ impl Flux {
     }
 }
 
-fn flux(grid: &Grid, batches: &[Vec<f64>], estimate: &dyn Fn(&[f64]) -> Estimate) -> Flux {
+fn flux(grid: &Grid, mut batches: Vec<Vec<f64>>, size: u64, estimate: &dyn Fn(&[f64]) -> Estimate) -> Flux {
     let bin = |i: usize| estimate(&batches.iter().map(|b| b[i] / grid.width).collect::<Vec<_>>());
-    Flux { grid: *grid, bins: (0..grid.bins).map(bin).collect() }
+    let bins = (0..grid.bins).map(bin).collect();
+    batches.iter_mut().flatten().for_each(|sum| *sum /= grid.width * size as f64);
+    Flux { grid: *grid, bins, batches }
 }
 
 /// Scores the weight at every collision.
@@ -166,8 +188,8 @@ impl Tally for CollisionTally {
     fn collision(&self, grid: &Grid, bins: &mut Vec<f64>, x: f64, weight: f64) {
         bins[grid.bin(x)] += weight;
     }
-    fn finish(&self, grid: &Grid, batches: Vec<Vec<f64>>, estimate: &dyn Fn(&[f64]) -> Estimate) -> Flux {
-        flux(grid, &batches, estimate)
+    fn finish(&self, grid: &Grid, batches: Vec<Vec<f64>>, size: u64, estimate: &dyn Fn(&[f64]) -> Estimate) -> Flux {
+        flux(grid, batches, size, estimate)
     }
 }
 
@@ -196,8 +218,8 @@ impl Tally for TrackTally {
         bins[first + 1..last].iter_mut().for_each(|b| *b += whole);
         bins[last] += (high - grid.edge(last)) * slant;
     }
-    fn finish(&self, grid: &Grid, batches: Vec<Vec<f64>>, estimate: &dyn Fn(&[f64]) -> Estimate) -> Flux {
-        flux(grid, &batches, estimate)
+    fn finish(&self, grid: &Grid, batches: Vec<Vec<f64>>, size: u64, estimate: &dyn Fn(&[f64]) -> Estimate) -> Flux {
+        flux(grid, batches, size, estimate)
     }
 }
 
@@ -217,8 +239,8 @@ impl<A: Tally, B: Tally> Tally for (A, B) {
         self.0.collision(grid, &mut bins.0, x, weight);
         self.1.collision(grid, &mut bins.1, x, weight);
     }
-    fn finish(&self, grid: &Grid, batches: Vec<Self::Bins>, estimate: &dyn Fn(&[f64]) -> Estimate) -> Self::Flux {
+    fn finish(&self, grid: &Grid, batches: Vec<Self::Bins>, size: u64, estimate: &dyn Fn(&[f64]) -> Estimate) -> Self::Flux {
         let (a, b) = batches.into_iter().unzip();
-        (self.0.finish(grid, a, estimate), self.1.finish(grid, b, estimate))
+        (self.0.finish(grid, a, size, estimate), self.1.finish(grid, b, size, estimate))
     }
 }

@@ -17,6 +17,7 @@ mod estimator;
 mod forward;
 mod observer;
 mod order;
+mod prepare;
 mod profile;
 mod replay;
 mod rounds;
@@ -39,10 +40,10 @@ pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, Sco
 use crate::detector::Detector;
 use crate::equation::{Equation, Method, Query};
 use crate::error::Error;
-use crate::kernel::{Operator, Series, Transition};
+use crate::kernel::{Operator, Transition};
 use crate::sampling::{Pcg, Sequence};
 use crate::source::Source;
-use crate::statistics::{Estimate, Truncation};
+use crate::statistics::Estimate;
 use crate::value::Weight;
 use run::Run;
 
@@ -222,71 +223,6 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
         }
         Ok(replay::replay(self, equation, detector, cell, 0, walk).1)
-    }
-
-    /// Everything that can be refused before the first walk; returns what is known of the truncation bias.
-    fn prepare<G, K, D>(&self, equation: &Equation<G, K>, detector: &D) -> Result<Option<Truncation>, Error>
-    where
-        G: Source,
-        K: Transition + Operator<Point = G::Point>,
-        K::Weight: Weight<Value = G::Value>,
-        C: Scoring<G, K>,
-        E: Ending<K>,
-        D: Detector<Point = G::Point>,
-    {
-        equation.validate()?;
-        detector.validate()?;
-        self.scoring.validate(equation, &self.ending)?;
-        self.budgeted(equation, equation.kernel(), || detector.norm())
-    }
-
-    /// What can be refused of walks along `along`, the kernel or its adjoint, for a detector of ∫ |h| dμ ≤ `norm`.
-    fn budgeted<G, K, A>(
-        &self,
-        equation: &Equation<G, K>,
-        along: &A,
-        norm: impl FnOnce() -> Option<f64>,
-    ) -> Result<Option<Truncation>, Error>
-    where
-        G: Source,
-        K: Operator<Point = G::Point>,
-        K::Weight: Weight<Value = G::Value>,
-        A: Transition,
-        E: Ending<A>,
-    {
-        self.ending.validate()?;
-        if self.samples == 0 {
-            return Err(Error::invalid("samples_per_cell", 0.0, "must be at least 1"));
-        }
-        if self.max_steps == 0 {
-            return Err(Error::invalid("max_steps", 0.0, "must be at least 1"));
-        }
-        if self.sequence.replicates() == Some(0) {
-            return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
-        }
-        if !self.ending.ends() && along.never_absorbs() {
-            return Err(Error::NeverEnds);
-        }
-        // K and its transpose have one spectrum
-        let series = equation.kernel().series()?;
-        if let (Series::Known(s), Divergence::Refuse, None) = (&series, self.divergence, self.ending.cut()) {
-            let radius = s.radius();
-            if radius.diverges() {
-                return Err(Error::Divergent { radius: radius.value, uncertainty: radius.uncertainty });
-            }
-        }
-        Ok(self.ending.cut().map(|depth| Truncation {
-            depth,
-            walks: 0,
-            bias_bound: match &series {
-                // |⟨h, Σ_{n > D} Tⁿg⟩| ≤ ∫|h| · sup
-                Series::Known(s) => {
-                    let sup = s.truncation_bound(depth, |x| equation.source().eval(x));
-                    sup.zip(norm()).map(|(sup, norm)| sup * norm)
-                }
-                Series::Unknown => None,
-            },
-        }))
     }
 }
 

@@ -376,6 +376,12 @@ impl HasAdjoint for Scene {
         Ok(Light)
     }
 }
+/// That it can be evaluated too does not get in the way of its own way to be joined.
+impl Kernel for Scene {
+    fn eval(&self, x: &Eye, y: &Eye) -> f64 {
+        if y.1 == x.0 { scattering(x.0, x.1, y.0) } else { 0.0 }
+    }
+}
 impl Operator for Light {
     type Point = Beam;
     type Weight = f64;

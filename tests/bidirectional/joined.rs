@@ -76,6 +76,46 @@ fn strategies_of_every_order_agree() {
     all_pass(results);
 }
 
+/// Second moments of strategies alone by quadrature: E C²_{s,t} = ⟨h²/p₀, K₂^{t−1} K² K*₂^{s−1} g²/q₀⟩, K₂ = K²/π (theory (4.1.6)), against those of pairs.
+#[test]
+fn variances_of_strategies_are_predicted_by_quadrature() {
+    let mut budget = Budget::of("bidirectional::variances");
+    let mut results = Vec::new();
+    let (g, h, k) = (|x: f64| 1.0 + x * x, |x: f64| 0.5 + x, |x: f64, y: f64| 0.7 * (-x * y * y).exp() * (1.0 + x - y));
+    let eq = erased!((0.0, 1.0), g, k);
+    let detector = Functional::new(Interval::from(0.0..=1.0), move |x: &f64| h(*x));
+    let p = 0.8;
+    let walks = Bidirectional::new().roulette(Roulette::constant(p)).samples_per_cell(1 << 17).seed(4);
+    let table = eq.seen_by(&detector).strategies(&walks, 0, 2).unwrap();
+    let nodes = composite_unit_rule(4, 8);
+    let integral = |f: &dyn Fn(usize) -> f64| (0..nodes.len()).map(|i| nodes[i].weight * f(i)).sum::<f64>();
+    let square = |i: usize, j: usize| k(nodes[i].point, nodes[j].point).powi(2);
+    for strategy in &table {
+        // a is carried from the detector, b from the source; uniform steps: π = p
+        let mut a: Vec<f64> = nodes.iter().map(|n| h(n.point).powi(2)).collect();
+        let mut b: Vec<f64> = nodes.iter().map(|n| g(n.point).powi(2)).collect();
+        for _ in 1..strategy.t {
+            a = (0..a.len()).map(|j| integral(&|i| a[i] * square(i, j) / p)).collect();
+        }
+        for _ in 1..strategy.s {
+            b = (0..b.len()).map(|i| integral(&|j| square(i, j) / p * b[j])).collect();
+        }
+        let predicted = match (strategy.s, strategy.t) {
+            (0, _) => integral(&|i| a[i] * g(nodes[i].point).powi(2)),
+            (_, 0) => integral(&|i| h(nodes[i].point).powi(2) * b[i]),
+            _ => integral(&|i| a[i] * integral(&|j| square(i, j) * b[j])),
+        };
+        let m = &strategy.alone;
+        let n = m.count as f64;
+        let variance = m.variance().unwrap();
+        let error = ((m.m4 / n - (m.m2 / n).powi(2)) / n).sqrt();
+        let (what, predicted) =
+            (format!("s = {}, t = {}", strategy.s, strategy.t), predicted - elements(&eq, h, 2)[strategy.order() as usize].powi(2));
+        results.push(budget.mean(&what, (variance, error, n), predicted, 0.3 * predicted));
+    }
+    all_pass(results);
+}
+
 #[test]
 fn problems_of_the_zoo() {
     let mut budget = Budget::of("bidirectional::zoo");

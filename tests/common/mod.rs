@@ -65,6 +65,7 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::metropolis coverage", 3),
     ("bidirectional::forward", 8),
     ("bidirectional::strategies", 30),
+    ("bidirectional::variances", 9),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
     ("forward::line", 256),

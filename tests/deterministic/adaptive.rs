@@ -36,11 +36,11 @@ fn adaptive_meets_its_tolerance_or_refuses() {
 }
 
 /// One type for all closures: the solver is compiled once for each domain.
-type Source<'a> = &'a (dyn Fn(&f64) -> f64 + Send + Sync);
-type Kernel<'a> = &'a (dyn Fn(&f64, &f64) -> f64 + Send + Sync);
+pub(crate) type Source<'a> = &'a (dyn Fn(&f64) -> f64 + Send + Sync);
+pub(crate) type Kernel<'a> = &'a (dyn Fn(&f64, &f64) -> f64 + Send + Sync);
 
 /// f is within its own estimate of values known to `digits` decimals, and the estimate within the tolerance.
-fn holds<D: Domain<Point = f64>>(name: &str, domain: D, g: Source<'_>, k: Kernel<'_>, tolerance: f64, known: &[(f64, f64)]) {
+pub(crate) fn holds<D: Domain<Point = f64>>(name: &str, domain: D, g: Source<'_>, k: Kernel<'_>, tolerance: f64, known: &[(f64, f64)]) {
     let eq = Equation::new(source_fn(domain.clone(), g), kernel_fn(domain, k));
     let f = eq.solve(&Nystrom::adaptive().tolerance(tolerance)).unwrap_or_else(|e| panic!("{name}: {e}"));
     let estimate = f.error_estimate().unwrap();

@@ -3,6 +3,7 @@
 mod adaptive;
 mod classes;
 mod closed_forms;
+mod ends;
 mod finite_elements;
 mod radius;
 mod reference;

@@ -21,7 +21,7 @@ fn triangle(kind: &str, i: usize, random: &mut Random) -> Corners {
     match kind {
         "plain" => around(centre, 0.2, random),
         "tiny" => around(centre, 1e-6, random),
-        "huge" => around(centre, if i % 10 == 0 { 1e5 } else { 0.1 }, random),
+        "huge" => around(centre, if i.is_multiple_of(10) { 1e5 } else { 0.1 }, random),
         "coplanar" => around(centre, 0.3, random).map(|p| [p[0], 0.25, p[2]]),
         "slivers" => {
             let [a, b, _] = around(centre, 0.5, random);
@@ -29,7 +29,7 @@ fn triangle(kind: &str, i: usize, random: &mut Random) -> Corners {
         }
         "nested" => around([0.0; 3], 0.5_f64.powi(i as i32), random),
         // copies of one triangle, and among them triangles without area
-        "piled" if i % 5 == 0 => [pile[0], pile[0], pile[i % 3]],
+        "piled" if i.is_multiple_of(5) => [pile[0], pile[0], pile[i % 3]],
         "piled" => pile,
         _ => unreachable!("{kind}"),
     }

@@ -48,9 +48,11 @@ fn closed_rooms_are_uniform() {
         for (method, walk) in methods(1 << 15, 0.05) {
             let pixel = &solve(&equation, &film, &walk)[(0, 0)];
             let (error, freedom) = (pixel.std_error.unwrap(), pixel.degrees_of_freedom as f64);
+            // next event alone is the noisiest
+            let margin = if method == "next event" { 0.06 } else { 0.02 };
             for i in 0..3 {
                 let (mean, error) = (pixel.value[i], error[i]);
-                results.push(budget.mean(&format!("{name}, {method}, {i}"), (mean, error, freedom), exact[i], 0.02 * exact[i]));
+                results.push(budget.mean(&format!("{name}, {method}, {i}"), (mean, error, freedom), exact[i], margin * exact[i]));
             }
         }
     }

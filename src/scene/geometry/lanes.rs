@@ -1,20 +1,22 @@
 //! Several boxes or triangles at once, by the instructions that the machine has.
 //!
 //! The loops over lanes are written once, as loops over arrays: no operation is fused with another, so that every machine gets the same bits.
-//! What they compile to is decided at run time: AVX2 where there is, else what the target has at least. `pulp` does it without unsafe code here.
+//! What they compile to is decided at run time: AVX2 where there is, else what the target has at least. `fearless_simd` does it without unsafe code here.
 
 use super::build::IN_LEAF;
 use super::tree::LANES;
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Avx2, f32x8, f64x4, prelude::*};
 
 /// What a machine can do beyond plain loops.
 pub(super) trait Lanes: Copy {
-    /// The signs of eight numbers as bits.
-    fn signs(self, values: &[f32; LANES]) -> u32;
+    /// The numbers below 0 of eight, as bits.
+    fn below(self, values: &[f32; LANES]) -> u32;
 
-    /// The signs of four numbers as bits.
-    fn signs64(self, values: &[f64; IN_LEAF]) -> u32;
+    /// The numbers below 0 of four, as bits.
+    fn below64(self, values: &[f64; IN_LEAF]) -> u32;
 
-    /// Brings data near that will be read soon.
+    /// Brings the cache line near in which data begin that will be read soon.
     fn prefetch<T>(self, data: &T);
 }
 
@@ -24,13 +26,13 @@ pub(super) struct Portable;
 
 impl Lanes for Portable {
     #[inline(always)]
-    fn signs(self, values: &[f32; LANES]) -> u32 {
-        values.iter().enumerate().fold(0, |bits, (i, v)| bits | (v.to_bits() >> 31) << i)
+    fn below(self, values: &[f32; LANES]) -> u32 {
+        values.iter().enumerate().fold(0, |bits, (i, v)| bits | u32::from(*v < 0.0) << i)
     }
 
     #[inline(always)]
-    fn signs64(self, values: &[f64; IN_LEAF]) -> u32 {
-        values.iter().enumerate().fold(0, |bits, (i, v)| bits | ((v.to_bits() >> 63) as u32) << i)
+    fn below64(self, values: &[f64; IN_LEAF]) -> u32 {
+        values.iter().enumerate().fold(0, |bits, (i, v)| bits | u32::from(*v < 0.0) << i)
     }
 
     #[inline(always)]
@@ -38,23 +40,22 @@ impl Lanes for Portable {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl Lanes for pulp::x86::V3 {
+impl Lanes for Avx2 {
     #[inline(always)]
-    fn signs(self, values: &[f32; LANES]) -> u32 {
-        self.avx._mm256_movemask_ps(pulp::cast(*values)) as u32
+    fn below(self, values: &[f32; LANES]) -> u32 {
+        let values: f32x8<Avx2> = (*values).simd_into(self);
+        values.simd_lt(0.0).to_bitmask() as u32
     }
 
     #[inline(always)]
-    fn signs64(self, values: &[f64; IN_LEAF]) -> u32 {
-        self.avx._mm256_movemask_pd(pulp::cast(*values)) as u32
+    fn below64(self, values: &[f64; IN_LEAF]) -> u32 {
+        let values: f64x4<Avx2> = (*values).simd_into(self);
+        values.simd_lt(0.0).to_bitmask() as u32
     }
 
     #[inline(always)]
     fn prefetch<T>(self, data: &T) {
-        let start = std::ptr::from_ref(data).cast::<i8>();
-        for line in 0..size_of::<T>().div_ceil(64) {
-            self.sse._mm_prefetch::<3>(start.wrapping_add(64 * line));
-        }
+        safe_arch::prefetch_t0(data);
     }
 }
 
@@ -68,36 +69,26 @@ pub(super) trait Task {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Machine {
     #[cfg(target_arch = "x86_64")]
-    v3: Option<pulp::x86::V3>,
+    avx2: Option<Avx2>,
 }
 
 impl Machine {
     pub(super) fn detect() -> Self {
         Machine {
             #[cfg(target_arch = "x86_64")]
-            v3: pulp::x86::V3::try_new(),
+            avx2: fearless_simd::Level::new().as_avx2(),
         }
     }
 
     #[inline]
     pub(super) fn run<T: Task>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
-        if let Some(v3) = self.v3 {
-            return v3.vectorize(OnV3(v3, task));
+        if let Some(avx2) = self.avx2 {
+            return avx2.vectorize(
+                #[inline(always)]
+                || task.run(avx2),
+            );
         }
         task.run(Portable)
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-struct OnV3<T>(pulp::x86::V3, T);
-
-#[cfg(target_arch = "x86_64")]
-impl<T: Task> pulp::NullaryFnOnce for OnV3<T> {
-    type Output = T::Output;
-
-    #[inline(always)]
-    fn call(self) -> T::Output {
-        self.1.run(self.0)
     }
 }

@@ -11,6 +11,9 @@ use std::array::from_fn;
 pub(super) trait Leaf {
     /// Calls `found` with every hit before about `until`; later ones may be among them.
     fn hits<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64, found: impl FnMut(Hit));
+
+    /// Brings it near.
+    fn prefetch<L: Lanes>(&self, lanes: L);
 }
 
 /// Four triangles, their corners in single precision where that is exact.
@@ -48,8 +51,8 @@ impl<S: Coordinate> Triangles<S> {
         for (lane, (primitive, corners)) in triangles.into_iter().enumerate() {
             leaf.primitive[lane] = primitive;
             for (k, corner) in corners.iter().enumerate() {
-                for axis in 0..3 {
-                    leaf.corner[k][axis][lane] = S::from_f64(corner[axis]);
+                for (axis, &x) in corner.iter().enumerate() {
+                    leaf.corner[k][axis][lane] = S::from_f64(x);
                 }
             }
         }
@@ -84,7 +87,7 @@ impl<S: Coordinate> Triangles<S> {
             let high = if high > w[i] { high } else { w[i] };
             outside[i] = if (low >= 0.0) | (high <= 0.0) { 1.0 } else { -1.0 };
         }
-        let within = !lanes.signs64(&outside) & 0xf;
+        let within = !lanes.below64(&outside) & 0xf;
         if within == 0 {
             return 0;
         }
@@ -93,7 +96,7 @@ impl<S: Coordinate> Triangles<S> {
             let t = (u[i] * a[2][i] + v[i] * b[2][i] + w[i] * c[2][i]) * ray.stretch.copysign(ray.stretch * sum);
             outside[i] = if (t > 0.0) & (t <= until * sum.abs()) { 1.0 } else { -1.0 };
         }
-        within & !lanes.signs64(&outside)
+        within & !lanes.below64(&outside)
     }
 }
 
@@ -109,6 +112,12 @@ fn edge(p: &[Four; 3], q: &[Four; 3]) -> Four {
 }
 
 impl<S: Coordinate> Leaf for Triangles<S> {
+    #[inline(always)]
+    fn prefetch<L: Lanes>(&self, lanes: L) {
+        let in_line = 64 / size_of::<[S; IN_LEAF]>();
+        self.corner.as_flattened().iter().step_by(in_line).for_each(|part| lanes.prefetch(part));
+    }
+
     #[inline(always)]
     fn hits<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
         // rounded sums may be a little beyond
@@ -128,6 +137,10 @@ impl<S: Coordinate> Leaf for Triangles<S> {
 pub(super) struct Spheres(pub(super) Vec<(u32, Sphere)>);
 
 impl Leaf for Spheres {
+    fn prefetch<L: Lanes>(&self, lanes: L) {
+        lanes.prefetch(self);
+    }
+
     #[inline]
     fn hits<L: Lanes>(&self, _: L, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
         for (primitive, sphere) in &self.0 {
@@ -222,7 +235,7 @@ impl<L: Lanes, B: Leaf> Visitor for Closest<'_, L, B> {
 
     #[inline(always)]
     fn expect(&self, index: u32) {
-        self.lanes.prefetch(&self.leaves[index as usize]);
+        self.leaves[index as usize].prefetch(self.lanes);
     }
     #[inline(always)]
     fn leaf(&mut self, index: u32) -> f32 {
@@ -245,7 +258,7 @@ impl<L: Lanes, B: Leaf> Visitor for Any<'_, L, B> {
 
     #[inline(always)]
     fn expect(&self, index: u32) {
-        self.lanes.prefetch(&self.leaves[index as usize]);
+        self.leaves[index as usize].prefetch(self.lanes);
     }
     #[inline(always)]
     fn leaf(&mut self, index: u32) -> f32 {

@@ -110,7 +110,7 @@ impl Sphere {
         if let Some(&c) = centre.iter().find(|c| !(c.abs() <= LARGEST)) {
             return Err(Error::invalid("sphere centre", c, "must be finite and within ±1e75"));
         }
-        if !(radius >= 1.0 / LARGEST && radius <= LARGEST) {
+        if !(1.0 / LARGEST..=LARGEST).contains(&radius) {
             return Err(Error::invalid("sphere radius", radius, "must be between 1e-75 and 1e75"));
         }
         Ok(Sphere { centre, radius })

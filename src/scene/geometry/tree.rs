@@ -93,7 +93,7 @@ impl Slab {
         let min = |a: f32, b: f32| if a < b { a } else { b };
         let enter: [f32; LANES] = from_fn(|i| max(max(enter[0][i], enter[1][i]), max(enter[2][i], 0.0)));
         let gap: [f32; LANES] = from_fn(|i| min(min(min(leave[0][i], leave[1][i]), leave[2][i]) * SLACK, limit) - enter[i]);
-        (!lanes.signs(&gap) & 0xff, enter)
+        (!lanes.below(&gap) & 0xff, enter)
     }
 
     #[inline(always)]
@@ -186,7 +186,7 @@ impl Tree {
     #[inline(always)]
     fn expect<L: Lanes, V: Visitor>(&self, lanes: L, child: u32, visitor: &V) {
         if child & LEAF == 0 {
-            lanes.prefetch(&self.nodes[child as usize]);
+            self.nodes[child as usize].bounds.iter().for_each(|axis| lanes.prefetch(axis));
         } else {
             visitor.expect(child & !LEAF);
         }

@@ -46,22 +46,6 @@ impl LightBounds {
         let box_area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);
         self.power * cone * box_area.max(d.norm_squared() * 1e-3)
     }
-
-    /// See the head of this file; `normal` is zero where light arrives from all around.
-    #[inline]
-    pub(crate) fn importance(&self, x: &Vec3, normal: &Vec3) -> f64 {
-        let (from, r2) = (x - self.centre(), 0.25 * (self.high - self.low).norm_squared());
-        let d2 = from.norm_squared();
-        if d2 <= r2 {
-            return self.power / r2.max(f64::MIN_POSITIVE);
-        }
-        let towards = from / d2.sqrt();
-        // the angle that the box subtends
-        let (sine, cosine) = ((r2 / d2).sqrt(), (1.0 - r2 / d2).sqrt());
-        let emitted = if self.spread >= PI { 1.0 } else { cos_less(self.axis.dot(&towards), self.spread.sin_cos(), (sine, cosine)) };
-        let received = if *normal == Vec3::zeros() { 1.0 } else { cos_minus(-normal.dot(&towards), (sine, cosine)) };
-        self.power * emitted.max(0.0) * received.max(0.0) / d2
-    }
 }
 
 /// cos max(0, θ − β).
@@ -96,6 +80,42 @@ fn join_cones((a, s): (Vec3, f64), (b, t): (Vec3, f64)) -> (Vec3, f64) {
     (a * cosine + side * sine, spread)
 }
 
+/// Bounds, ready to be asked.
+#[derive(Clone, Copy, Debug)]
+struct Beacon {
+    centre: Vec3,
+    /// squared radius of the box
+    r2: f64,
+    power: f64,
+    axis: Vec3,
+    /// sine and cosine of the cone's half angle; (0, −1) for all directions
+    spread: (f64, f64),
+}
+
+impl Beacon {
+    fn new(bounds: &LightBounds) -> Self {
+        let spread = if bounds.spread >= PI { (0.0, -1.0) } else { bounds.spread.sin_cos() };
+        let r2 = 0.25 * (bounds.high - bounds.low).norm_squared();
+        Beacon { centre: bounds.centre(), r2, power: bounds.power, axis: bounds.axis, spread }
+    }
+
+    /// See the head of this file; `normal` is zero where light arrives from all around.
+    #[inline]
+    fn importance(&self, x: &Vec3, normal: &Vec3) -> f64 {
+        let from = x - self.centre;
+        let d2 = from.norm_squared();
+        if d2 <= self.r2 {
+            return self.power / self.r2.max(f64::MIN_POSITIVE);
+        }
+        let towards = from / d2.sqrt();
+        // the angle that the box subtends
+        let box_angle = ((self.r2 / d2).sqrt(), (1.0 - self.r2 / d2).sqrt());
+        let emitted = if self.spread.1 == -1.0 { 1.0 } else { cos_less(self.axis.dot(&towards), self.spread, box_angle) };
+        let received = if *normal == Vec3::zeros() { 1.0 } else { cos_minus(-normal.dot(&towards), box_angle) };
+        self.power * emitted.max(0.0) * received.max(0.0) / d2
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Node {
     /// the left child follows; the number of the right one
@@ -106,7 +126,7 @@ enum Node {
 /// The tree; lights are numbered as they are given.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightTree {
-    nodes: Vec<(LightBounds, Node)>,
+    nodes: Vec<(Beacon, Node)>,
     /// the way down to each light: bit k for the choice at depth k
     ways: Vec<u64>,
 }
@@ -127,7 +147,7 @@ impl LightTree {
     fn build(&mut self, lights: &[LightBounds], order: &mut [u32], way: u64, depth: u32) {
         let bounds = order[1..].iter().fold(lights[order[0] as usize], |b, i| b.join(&lights[*i as usize]));
         let place = self.nodes.len();
-        self.nodes.push((bounds, Node::Leaf(order[0])));
+        self.nodes.push((Beacon::new(&bounds), Node::Leaf(order[0])));
         if order.len() == 1 {
             self.ways[order[0] as usize] = way;
             return;

@@ -45,7 +45,7 @@ where
             if !weight.entries_finite() {
                 return Some(Error::Overflow { cell, walk, vertex: n as u64, at, weight: format!("{weight:?}") });
             }
-            if v.pdf.is_nan() {
+            if v.rarity.is_nan() {
                 let x = format!("{:?}", memory.eye[n.saturating_sub(1)].state);
                 return Some(Error::UnstatedDensity { x, y: at, needed_by: NEEDED_BY });
             }
@@ -66,7 +66,7 @@ where
             if !value.all_finite() {
                 return Some(Error::Overflow { cell, walk, vertex: n as u64, at, weight: format!("{value:?}") });
             }
-            if v.pdf.is_nan() {
+            if v.rarity.is_nan() {
                 let x = format!("{:?}", memory.light[n.saturating_sub(1)].state);
                 return Some(Error::UnstatedDensity { x, y: at, needed_by: NEEDED_BY });
             }

@@ -13,8 +13,8 @@ pub(super) struct Vertex<X, L> {
     pub(super) state: X,
     /// α of theory (4.7.3)
     pub(super) load: L,
-    /// density of the walk's own arrival, survival included; infinite for a start that no other walk can find. NaN if the walk does not state it
-    pub(super) pdf: f64,
+    /// 1/density of the walk's own arrival, survival included; 0 for a start that no other walk can find. NaN if the walk does not state it
+    pub(super) rarity: f64,
     /// whether the arrival has a density: walks cannot be joined along a Dirac part, whose edges count as density 1 in both directions
     pub(super) regular: bool,
     /// whether walks can be joined by the edge before this vertex, once the walk goes on
@@ -23,15 +23,15 @@ pub(super) struct Vertex<X, L> {
     pub(super) survival: f64,
     /// density with which a walk in the opposite direction arrives here from the next vertex
     pub(super) reverse: f64,
-    /// Σ_k Π (reverse/pdf)^β over the strategies that leave this vertex, k − 1 before it, … to the other walk
+    /// Σ_k Π (reverse/own)^β over the strategies that leave this vertex, k − 1 before it, … to the other walk
     pub(super) sum: f64,
 }
 
 impl<X, L> Vertex<X, L> {
-    /// reverse/pdf.
+    /// reverse density/own density.
     #[inline]
     pub(super) fn ratio(&self, reverse: f64) -> f64 {
-        reverse / self.pdf
+        reverse * self.rarity
     }
 }
 
@@ -121,18 +121,10 @@ impl<K: TransitionPdf, E: Ending<K>, L: Burden<K::Weight>> Errand<K> for Keeper<
             (_, Arrival::Step { from, .. }) => (survived * self.kernel.pdf(&from, &state), true),
         };
         // a step that denies its own arrival breaks the law of its density: its scores must not pass for 0
-        let pdf = if pdf > 0.0 { pdf } else { f64::NAN };
+        let rarity = if pdf > 0.0 { 1.0 / pdf } else { f64::NAN };
         let survival = survival_at(self.kernel, self.ending, &state);
-        self.vertices.push(Vertex {
-            state,
-            load: at.visit.weight,
-            pdf,
-            regular,
-            joinable: regular,
-            survival,
-            reverse: f64::NAN,
-            sum: f64::NAN,
-        });
+        let joinable = regular;
+        self.vertices.push(Vertex { state, load: at.visit.weight, rarity, regular, joinable, survival, reverse: f64::NAN, sum: f64::NAN });
     }
 
     #[inline]

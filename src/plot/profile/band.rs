@@ -1,8 +1,8 @@
 //! Strips between two curves.
 
-use super::drawing::Drawing;
-use super::panel::Panel;
-use super::style::{Colour, SOLID};
+use crate::plot::drawing::Drawing;
+use crate::plot::panel::Panel;
+use crate::plot::style::{Colour, SOLID};
 
 /// A simultaneous band around its values.
 #[derive(Clone, Debug)]

@@ -1,0 +1,104 @@
+//! Singular ends of K and f, narrow columns, the spectrum where f does not show it, and refusals in words.
+
+use crate::adaptive::{Kernel, Source, holds};
+use fredholm::deterministic::Nystrom;
+use fredholm::domain::{Domain, HalfLine, Interval, Line};
+use fredholm::kernel::kernel_fn;
+use fredholm::source::source_fn;
+use fredholm::special::e1;
+use fredholm::{Equation, Error};
+use std::f64::consts::PI;
+
+const PLACES: [f64; 7] = [0.0, 1e-9, 1e-3, 0.21, 0.5, 0.93, 1.0];
+
+fn at_places(f: impl Fn(f64) -> f64) -> [(f64, f64); 7] {
+    PLACES.map(|x| (x, f(x)))
+}
+
+#[test]
+fn kernels_singular_in_y() {
+    let unit = Interval::from(0.0..=1.0);
+    holds("ln y", unit, &|_| 1.0, &|_, y| -0.2 * y.ln(), 1e-12, &at_places(|_| 1.25));
+    holds("1/√y", unit, &|_| 1.0, &|_, y| 0.2 / y.sqrt(), 1e-12, &at_places(|_| 1.0 / 0.6));
+    holds("1/√(1 − y)", unit, &|_| 1.0, &|_, y| 0.2 / (1.0 - y).sqrt(), 1e-12, &at_places(|_| 1.0 / 0.6));
+    // y^β(x), 0 ≤ β ≤ ½
+    holds("y^β", unit, &|_| 0.7, &|x, y| 0.3 * (1.0 + 0.5 * x) * y.powf(0.5 * x), 1e-12, &at_places(|_| 1.0));
+    // problems §2 C3, C4: singular on the diagonal as well, at ends whose distances floating-point numbers do not keep
+    let both = Interval::from(-1.0..=1.0);
+    let chebyshev = |x: &f64, y: &f64| 0.3 * (x - y).abs().ln() / (1.0 - y * y).sqrt();
+    let t3 = |x: f64| 4.0 * x.powi(3) - 3.0 * x;
+    let places = [-1.0, -0.99998, -0.3, 0.0, 0.5, 0.999, 1.0];
+    holds("C3", both, &|x| t3(*x), &chebyshev, 1e-11, &places.map(|x| (x, t3(x) / (1.0 + 0.1 * PI))));
+    let gegenbauer = |x: &f64, y: &f64| 0.1 * (1.0 - y * y).powf(-0.3) * (x - y).abs().powf(-0.4);
+    let eigenvalue = 0.04 * PI / (0.2 * PI).cos();
+    holds("C4", both, &|x| *x, &gegenbauer, 1e-11, &places.map(|x| (x, x / (1.0 - eigenvalue))));
+}
+
+#[test]
+fn solutions_singular_at_ends_take_few_unknowns() {
+    // Okayama, Matsuo, Sugihara's second example (problems §3.4: 81 unknowns for 1.4e-14), and S7
+    let root = |x: &f64| x.sqrt() * (1.0 - PI * PI / 9.0 * (PI * x / 2.0).powf(0.25));
+    let cases: [(&str, f64, Source<'_>, Kernel<'_>, fn(f64) -> f64); 3] = [
+        ("√x", PI / 2.0, &root, &|x, y| (x * y).powf(0.75), f64::sqrt),
+        ("S7", 1.0, &|x| x.powf(0.3) - x.powi(3) / 5.3, &|x, y| x.powi(3) * y.powi(4), |x| x.powf(0.3)),
+        ("x ln x", 1.0, &|x| if *x > 0.0 { x * x.ln() + x / 9.0 } else { 0.0 }, &|x, y| x * y, |x| if x > 0.0 { x * x.ln() } else { 0.0 }),
+    ];
+    for (name, b, g, k, f) in cases {
+        let domain = Interval::from(0.0..=b);
+        let solved = Equation::new(source_fn(domain, g), kernel_fn(domain, k)).solve(&Nystrom::adaptive().tolerance(2e-12)).unwrap();
+        assert!(solved.unknowns() <= 128, "{name}: {solved}");
+        for x in PLACES {
+            assert!((solved.eval(x) - f(x)).abs() <= solved.error_estimate().unwrap().max(1e-15), "{name} at {x}: {solved}");
+        }
+    }
+}
+
+#[test]
+fn columns_narrower_than_rows_tell() {
+    let unit = Interval::from(0.0..=1.0);
+    for (centre, width) in [(0.31, 1e-3), (0.7123, 2e-3), (0.0917, 4e-3)] {
+        let bump = move |x: f64| (-((x - centre) / width).powi(2)).exp();
+        let known = [0.05, centre - width, centre, centre + 0.4 * width, 0.99];
+        // f = 1 in spite of K
+        let hidden = move |x: &f64| 1.0 - bump(*x) * 0.5 * 2f64.sin();
+        holds("hidden", unit, &hidden, &move |x, y| bump(*x) * (2.0 * y).cos(), 1e-10, &known.map(|x| (x, 1.0)));
+        // f = 1 + c bump: narrow as well
+        let c = 1.5 / (1.0 - PI.sqrt() * width * (1.0 + centre));
+        let (g, k): (Source<'_>, Kernel<'_>) = (&|_| 1.0, &move |x, y| bump(*x) * (1.0 + y));
+        match Equation::new(source_fn(unit, g), kernel_fn(unit, k)).solve(&Nystrom::adaptive().tolerance(1e-9)) {
+            Ok(f) => assert!(known.iter().all(|x| (f.eval(*x) - 1.0 - c * bump(*x)).abs() <= f.error_estimate().unwrap()), "{width}: {f}"),
+            Err(e) => assert!(matches!(e, Error::NotConverged { .. }), "{e}"),
+        }
+    }
+}
+
+fn refused<D: Domain<Point = f64>>(domain: D, g: Source<'_>, k: Kernel<'_>, tolerance: f64) -> Error {
+    let eq = Equation::new(source_fn(domain.clone(), g), kernel_fn(domain, k));
+    match eq.solve(&Nystrom::adaptive().tolerance(tolerance)) {
+        Ok(f) => panic!("{f}"),
+        Err(e) => e,
+    }
+}
+
+#[test]
+fn refusals_say_why() {
+    let unit = Interval::from(0.0..=1.0);
+    // 1 is in the spectrum, and f = g = 0 does not show it
+    let sources: [Source<'_>; 2] = [&|_| 0.0, &|x| x.powi(2) - 0.75 * x];
+    for g in sources {
+        let e = refused(unit, g, &|x, y| 3.0 * x * y, 1e-8);
+        assert!(matches!(e, Error::Singular { .. }), "{e}");
+        let e = refused(unit, g, &|x, y| PI * PI / 4.0 * x.min(*y), 1e-8);
+        assert!(matches!(e, Error::Singular { .. } | Error::NotConverged { .. }), "{e}");
+    }
+    let e = refused(unit, &|_| 1.0, &|_, _| 1.0 - 1e-9, 1e-12);
+    assert!(matches!(e, Error::IllConditioned { condition, .. } if condition > 1e8), "{e}");
+    let e = refused(unit, &|_| 1.0, &|x, y| 1e150 * x * y, 1e-8);
+    assert!(matches!(e, Error::FirstKind { norm } if norm > 1e149), "{e}");
+    let e = refused(unit, &|_| 1.0, &|_, y| 0.1 / y, 1e-8);
+    assert!(matches!(e, Error::NotIntegrableAtEnd { .. }), "{e}");
+    let e = refused(HalfLine::new(0.0), &|x| (-x).exp(), &|x, y| 0.5 * e1((x - y).abs()), 1e-8);
+    assert!(matches!(e, Error::ContinuousSpectrum { .. }), "{e}");
+    let e = refused(Line::new(), &|x| 1.0 / (1.0 + x * x), &|x, y| 0.1 * (1.0 + (x - y).abs()).powf(-1.5), 1e-9);
+    assert!(matches!(e, Error::SlowDecay { power, .. } if (power - 1.5).abs() < 0.1), "{e}");
+}
