@@ -29,7 +29,7 @@ mod tally;
 mod weights;
 
 pub use connect::{Beyond, Connect};
-pub use meet::{Meet, Met};
+pub use meet::{Meet, Met, meet_by_density};
 pub use pair::{PairEstimator, PairMemory};
 pub use table::Strategy;
 pub use tally::SharedPairs;
