@@ -25,7 +25,9 @@ mod run;
 mod scoring;
 
 pub use array::ArrayRqmc;
-pub use bidirectional::{Beyond, Bidirectional, Connect, Meet, Met, PairEstimator, PairMemory, SharedPairs, Strategies, Strategy};
+pub use bidirectional::{
+    Beyond, Bidirectional, Connect, Meet, Met, PairEstimator, PairMemory, SharedPairs, Strategies, Strategy, meet_by_density,
+};
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use estimator::WalkEstimator;

@@ -6,8 +6,8 @@ use fredholm::estimator::Estimator;
 use fredholm::kernel::{HasAdjoint, Kernel, Operator, Step, Transition, TransitionPdf};
 use fredholm::sampling::{Purpose, Sampler};
 use fredholm::source::{Birth, Emit, EmitPdf, Source};
-use fredholm::walk::{Beyond, Bidirectional, Connect, Ending, Heuristic, Strategies, Survival};
-use fredholm::{Equation, Error};
+use fredholm::walk::{Beyond, Bidirectional, Connect, Ending, Heuristic, Meet, Met, Strategies, Survival, meet_by_density};
+use fredholm::{Equation, Error, Value};
 
 const HEURISTICS: [Heuristic; 5] =
     [Heuristic::Balance, Heuristic::Power(2.0), Heuristic::Power(0.7), Heuristic::Maximum, Heuristic::Average];
@@ -187,6 +187,12 @@ impl StartPdf for Ends {
     }
     fn importance(&self, _: usize, x: &usize) -> f64 {
         H[*x]
+    }
+}
+
+impl<V: Value> Meet<usize, V> for Ends {
+    fn meet<S: Sampler>(&self, z: &usize, load: V, _: &mut S, found: impl FnMut(Met<usize, V>)) {
+        meet_by_density(self, z, load, found);
     }
 }
 

@@ -2,14 +2,14 @@
 
 use crate::common::{Budget, Reference, all_pass};
 use crate::{erased, stated};
-use fredholm::detector::{At, Bins, Functional, StartPdf};
+use fredholm::detector::{At, Bins, Functional};
 use fredholm::deterministic::quadrature::composite_unit_rule;
 use fredholm::domain::Interval;
 use fredholm::estimator::{Combination, Metropolis};
 use fredholm::kernel::{HasAdjoint, Kernel, Operator, TransitionPdf};
 use fredholm::sampling::Sobol;
 use fredholm::source::{EmitPdf, Source};
-use fredholm::walk::{Connect, Heuristic, Roulette, Strategies};
+use fredholm::walk::{Connect, Heuristic, Meet, Roulette, Strategies};
 use fredholm::{Bidirectional, Equation, Error, Estimate, GroupMatrix, Spectrum, Value, Weight};
 
 const HEURISTICS: [Heuristic; 4] = [Heuristic::Balance, Heuristic::Power(2.0), Heuristic::Maximum, Heuristic::Average];
@@ -26,7 +26,7 @@ where
     G: EmitPdf,
     K: HasAdjoint<Adjoint: TransitionPdf + Operator<Point = G::State>> + TransitionPdf + Connect<K::Adjoint> + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
-    D: for<'a> StartPdf<Point = G::Point, Answer<Estimate<G::Value>> = Estimate<G::Value>>,
+    D: Meet<G::State, G::Value, Point = G::Point, Answer<Estimate<G::Value>> = Estimate<G::Value>>,
 {
     eq.seen_by(detector).solve(&walks.samples_per_cell(n).seed(seed))
 }

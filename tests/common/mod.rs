@@ -89,6 +89,10 @@ const REGISTERED: &[(&str, u32)] = &[
     ("scene::cornell", 2),
     ("scene::hard", 4),
     ("scene::radiosity", 3),
+    ("scene::directions furnace", 10),
+    ("scene::directions strategies", 12),
+    ("scene::directions images", 76),
+    ("scene::directions metropolis", 4),
 ];
 
 /// The share of one test.

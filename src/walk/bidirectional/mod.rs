@@ -23,12 +23,13 @@ mod meet;
 mod pair;
 mod path;
 mod shared;
+mod strategies;
 mod table;
 mod tally;
 mod weights;
 
 pub use connect::{Beyond, Connect};
-pub use meet::{Meet, Met};
+pub use meet::{Meet, Met, meet_by_density};
 pub use pair::{PairEstimator, PairMemory};
 pub use table::Strategy;
 pub use tally::SharedPairs;
