@@ -5,7 +5,7 @@ use crate::{erased, stated};
 use fredholm::detector::{At, Bins, Functional};
 use fredholm::deterministic::quadrature::composite_unit_rule;
 use fredholm::domain::Interval;
-use fredholm::estimator::{Combination, Metropolis};
+use fredholm::estimator::{Combination, Metropolis, OneCell};
 use fredholm::kernel::{HasAdjoint, Kernel, Operator, TransitionPdf};
 use fredholm::sampling::Sobol;
 use fredholm::source::{EmitPdf, Source};
@@ -135,7 +135,7 @@ fn problems_of_the_zoo() {
     for (name, eq) in rows {
         let values = Reference::load(name).scalar();
         let margin = 0.04 * values.iter().fold(0.0, |m: f64, v| m.max(v.1.abs()));
-        let table = eq.clone().tabulated(16).unwrap();
+        let table = eq.clone().tabulated(16).unwrap().tabulated_source(16).unwrap();
         for (i, heuristic) in HEURISTICS.into_iter().enumerate() {
             let (x, f) = values[(2 * i + 1) % values.len()];
             let walks = Bidirectional::new().heuristic(heuristic);
@@ -209,6 +209,28 @@ fn pairs_are_estimators_like_others() {
     let pairs = query.bidirectional(&Bidirectional::new()).unwrap();
     let chains = Metropolis::new().mutations(512).solve(&pairs).unwrap();
     assert!(chains.cells[2].agrees_with(1.0 + 0.3 * bins.centre(2), 8.0), "{}", chains.cells[2]);
+}
+
+/// Forward walks that end at any cell count there: every cell's mean is right, by every heuristic, from runs and from single points.
+#[test]
+fn pairs_for_all_cells_at_once() {
+    let mut budget = Budget::of("bidirectional::shared");
+    let mut results = Vec::new();
+    let eq = erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| 0.5 * x * y);
+    let bins = Bins::new(0.0..=1.0, 4);
+    let query = eq.seen_by(&bins);
+    for heuristic in HEURISTICS {
+        let walks = Bidirectional::new().heuristic(heuristic).roulette(Roulette::constant(0.7)).samples_per_cell(1 << 15);
+        let run = query.solve(&walks).unwrap();
+        let shared = query.bidirectional(&walks).unwrap().shared();
+        let points = Combination::new().with(OneCell(shared)).samples_per_cell(1 << 16).solve().unwrap();
+        for (cell, (run, points)) in run.iter().zip(&points).enumerate() {
+            let truth = 1.0 + 0.3 * bins.centre(cell);
+            results.push(budget.mean(&format!("{heuristic:?}, run, cell {cell}"), stated(run), truth, 0.1));
+            results.push(budget.mean(&format!("{heuristic:?}, points, cell {cell}"), stated(&points.estimate), truth, 0.1));
+        }
+    }
+    all_pass(results);
 }
 
 #[test]

@@ -66,6 +66,7 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::forward", 8),
     ("bidirectional::strategies", 30),
     ("bidirectional::variances", 9),
+    ("bidirectional::shared", 32),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
     ("forward::line", 256),
