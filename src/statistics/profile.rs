@@ -9,7 +9,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Bias {
-    /// None: E[value] = f(x).
+    /// None: the expectation of a value is f(x).
     None,
     /// Means of f over cells of this width.
     CellMeans {
