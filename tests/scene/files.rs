@@ -40,7 +40,8 @@ fn hostile_files_are_refused_by_name() {
         ("\"componentType\": 5125", "\"componentType\": 5126", "no indices"),
         ("\"type\": \"VEC3\"", "\"type\": \"VEC2\"", "where 3 numbers are needed"),
         ("\"emissiveStrength\": 1.0", "\"emissiveStrength\": -1.0", "emission"),
-        ("data:application", "data:nothing", "data URI"),
+        (";base64,", ";base65,", "data URI"),
+        ("\"POSITION\": 0", "\"POSITION\": 99", "a primitive names accessor 99"),
     ] {
         let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
         if !text.contains(from) {

@@ -32,7 +32,7 @@ struct Reader<'a> {
 }
 
 pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, Error> {
-    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(bytes).map_err(|e| wrong(name, e))?;
+    let (document, blob) = document(name, bytes)?;
     let buffers = Buffers::load(name, &document, blob, folder)?;
     let mut loaded = Loaded::empty();
     for extension in document.extensions_used().filter(|e| !KNOWN.contains(e)) {
@@ -51,6 +51,18 @@ pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, E
         stack.extend(children.into_iter().rev());
     }
     Ok(reader.loaded)
+}
+
+/// The file as JSON, and what follows it in a `.glb`; every index in it is good.
+fn document(name: &str, bytes: &[u8]) -> Result<(gltf::Document, Option<Vec<u8>>), Error> {
+    let gltf::Gltf { document, blob } = gltf::Gltf::from_slice_without_validation(bytes).map_err(|e| wrong(name, e))?;
+    let json = document.into_json();
+    // the crate's own validation looks positions up before it has checked where they are
+    let mut named = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
+    if let Some(bad) = named.find(|i| i.value() >= json.accessors.len()) {
+        return Err(wrong(name, format!("a primitive names accessor {}, but there are {}", bad.value(), json.accessors.len())));
+    }
+    gltf::Document::from_json(json).map(|document| (document, blob)).map_err(|e| wrong(name, e))
 }
 
 impl Reader<'_> {
