@@ -269,7 +269,7 @@ pub enum Error {
     },
     /// K(x, ·) has no integral at an end of the domain.
     #[error(
-        "the kernel is not integrable in y at the end {end}, seen from x = {x}: its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved"
+        "the kernel is not integrable at y = {end}, seen from x = {x}: its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved"
     )]
     NotIntegrableAtEnd {
         /// The point.

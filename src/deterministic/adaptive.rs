@@ -7,6 +7,7 @@
 //!    of K on it, or the tail of K(x, ·) for x elsewhere is above the tolerance (both: the kernel, not only f, sets the error of a rule). Towards the
 //!    ends of the domain, where f may be singular, the Nyström interpolant of one coarse solve plans several cuts at once.
 //!    What to cut is [`refine`](super::refine)'s.
+//!    Jumps of K along lines y = x + c or x + y = c are found, and rows integrated towards them ([`lines`](super::lines)).
 //! 3. Accepted only after the checks of [`verify`](super::verify). Otherwise [`Error::NotConverged`].
 //!
 //! References: Atkinson, *The numerical solution of integral equations of the second kind* (1997), ch. 4; Kress, *Linear integral equations*, ch. 12.
@@ -16,6 +17,7 @@ use super::ends::{Ends, Tail, tail};
 use super::factorised::Factorised;
 use super::grid::Grid;
 use super::jumps::jumps;
+use super::lines::{Line, kinks, lines};
 use super::nystrom::{Nystrom, graded_breaks};
 use super::solution::NystromSolution;
 use super::verify::{self, Verdict, rounding, verify};
@@ -56,8 +58,17 @@ where
         return Err(Error::invalid("tolerance", tolerance, "must be positive and finite"));
     }
     let segments = settings.segments(equation.kernel().domain())?;
-    let mut search =
-        Search { equation, tolerance, most, evaluations: 0, error: f64::INFINITY, largest: 0, ends: Ends::default(), tail: None };
+    let mut search = Search {
+        equation,
+        tolerance,
+        most,
+        evaluations: 0,
+        error: f64::INFINITY,
+        largest: 0,
+        ends: Ends::default(),
+        tail: None,
+        lines: Vec::new(),
+    };
     if equation.kernel().domain().dimension() > 1 {
         let tensor = search.globally(tensor_orders(equation.kernel().domain().dimension()), |domain, order| Grid::plain(domain, 1, order));
         let centred = equation.kernel().domain().around(&any_place(equation.kernel().domain()), 1).is_some();
@@ -71,9 +82,13 @@ where
     let class = classify(equation.kernel())?;
     search.ends = Ends::of(equation);
     search.tail = tail(equation.kernel());
+    search.lines = lines(equation.kernel());
     let segments = joined(segments, jumps(equation));
+    let kinks = kinks(&search.lines, &segments);
+    let segments = joined(segments, kinks);
     let diagonal = settings.declared.unwrap_or(class.diagonal);
-    let smooth = segments.len() == 2 && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
+    let smooth =
+        segments.len() == 2 && search.lines.is_empty() && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
     let found = search.on_line(smooth, &segments).map_err(|e| search.in_words(e))?;
     let contradicted = !diagonal.is_like(class.diagonal);
     let warning = contradicted.then(|| format!("declared: {diagonal}; values look like: {}", class.diagonal));
@@ -127,6 +142,7 @@ pub(super) struct Search<'a, G, K> {
     largest: usize,
     pub(super) ends: Ends,
     tail: Option<Tail>,
+    lines: Vec<Line>,
 }
 
 impl<G, K> Search<'_, G, K>
@@ -183,7 +199,8 @@ where
         let Some(tail) = self.tail else { return 0.0 };
         let outermost = f.nodes().zip(f.values()).map(|(x, f)| (self.domain().density(&x), f.magnitude()));
         let far = outermost.fold((f64::INFINITY, 0.0), |a, b| if b.0 < a.0 { b } else { a }).1;
-        if far == 0.0 { 0.0 } else { tail.mass * far * f.inverse_norm() }
+        // the outermost panel is integrated no better than what is beyond it
+        if far == 0.0 { 0.0 } else { 4.0 * tail.mass * far * f.inverse_norm() }
     }
 
     /// One rule for the whole, or panels.
@@ -242,13 +259,15 @@ where
             if !self.affordable((breaks.len() - 1) as f64 * VERIFYING as f64) {
                 return Ok(None);
             }
-            let coarse = self.attempt(Grid::panelled(self.domain(), breaks.clone(), ORDER)?.towards(self.ends))?;
+            let coarse =
+                self.attempt(Grid::panelled(self.domain(), breaks.clone(), ORDER)?.towards(self.ends).across(self.lines.clone()))?;
             let finer = self.refine(&coarse, segments)?;
             if finer.len() > breaks.len() {
                 breaks = finer;
                 continue;
             }
-            let mut fine = self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?.towards(self.ends))?;
+            let mut fine =
+                self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?.towards(self.ends).across(self.lines.clone()))?;
             if rounding(&fine) > ILL_CONDITIONED * self.allowed(&fine) {
                 fine = fine.refined()?;
             }

@@ -39,6 +39,8 @@ const ZERO: f64 = 1e-10;
 /// No singular value is 0 if the smallest is more than this, and I − T is ill-conditioned by its norm if that is large.
 const NULL: f64 = 1e-4;
 const LARGE: f64 = 1e6;
+/// Singular values below this share of the largest are rounding.
+const LOST: f64 = 1e-14;
 /// Unknowns of the decomposition.
 const UNKNOWNS: usize = 240;
 
@@ -73,7 +75,7 @@ where
             Error::ContinuousSpectrum { rcond, unknowns }
         }
         Error::Singular { rcond, unknowns, alternative: None } => match alternative(equation).ok().flatten() {
-            Some((found, norm)) if found.smallest > NULL && norm > LARGE => Error::FirstKind { norm },
+            Some((found, norm)) if norm > LARGE && (found.smallest > NULL || found.smallest <= LOST * norm) => Error::FirstKind { norm },
             found => Error::Singular { rcond, unknowns, alternative: found.map(|(found, _)| Box::new(found)) },
         },
         other => other,

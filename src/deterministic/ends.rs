@@ -228,3 +228,26 @@ where
     let rest = inner.1 > inner.0;
     Ok(evaluations + if rest { at_x.beside(0.5 * distance).moments_over(state, panel, inner, basis, rule, out)? } else { 0 })
 }
+
+/// The same over a panel near to several places where K(x, ·) is singular: each has what is closer to it than to any other.
+pub(super) fn moments_among<K: Kernel + HasDomain>(
+    mut targets: Vec<Target<'_, K>>,
+    state: usize,
+    panel: (f64, f64),
+    (basis, rule): (&Basis, &Basis),
+    out: &mut [f64],
+) -> Result<u64, Error> {
+    targets.sort_by(|a, b| a.place().total_cmp(&b.place()));
+    let middle = |i: usize| 0.5 * (targets[i].place() + targets[i + 1].place());
+    let mut evaluations = 0;
+    for (i, target) in targets.iter().enumerate() {
+        let low = if i == 0 { panel.0 } else { middle(i - 1).clamp(panel.0, panel.1) };
+        let high = if i + 1 == targets.len() { panel.1 } else { middle(i).clamp(panel.0, panel.1) };
+        if high > low {
+            let room = (target.place() - low).abs().min((high - target.place()).abs());
+            let apart = if targets.len() == 1 { f64::INFINITY } else { room };
+            evaluations += target.beside(apart).moments_over(state, panel, (low, high), basis, rule, out)?;
+        }
+    }
+    Ok(evaluations)
+}

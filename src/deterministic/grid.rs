@@ -5,6 +5,7 @@ use super::basis::Basis;
 use super::double_exponential::DoubleExponential;
 use super::ends::{self, Ends};
 use super::erased::erased;
+use super::lines::Line;
 use super::near::{Target, components, nearer_end};
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
@@ -28,6 +29,8 @@ pub(crate) struct Grid<X> {
     centred: Option<usize>,
     /// where rows are integrated towards ends of the domain
     pub(super) ends: Ends,
+    /// where rows are integrated towards lines
+    pub(super) lines: Vec<Line>,
 }
 
 /// Panels of the map's coordinate; nodes are ordered state by state, panel by panel.
@@ -81,7 +84,7 @@ impl<X: Point> Grid<X> {
         }
         let axis = |a: usize| if domain.is_periodic(a) { Axis::Trapezoid(order) } else { Axis::Gauss(Box::new(Basis::gauss(order))) };
         let tensor = (panels == 1).then(|| (0..domain.dimension()).map(axis).collect());
-        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor, centred: None, ends: Ends::default() })
+        Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor, centred: None, ends: Ends::default(), lines: Vec::new() })
     }
 
     /// The domain's tensor rule, with rows by rules around x.
@@ -104,7 +107,14 @@ impl<X: Point> Grid<X> {
         check_size(order as f64 * domain.states() as f64)?;
         let rule = DoubleExponential::on(domain, order);
         let nodes = (0..domain.states()).flat_map(|state| rule.nodes(domain, state)).collect();
-        Ok(Grid { nodes, panels: None, tensor: Some(vec![Axis::DoubleExponential(rule)]), centred: None, ends: Ends::default() })
+        Ok(Grid {
+            nodes,
+            panels: None,
+            tensor: Some(vec![Axis::DoubleExponential(rule)]),
+            centred: None,
+            ends: Ends::default(),
+            lines: Vec::new(),
+        })
     }
 
     /// The same grid, with rows on the panels at singular ends integrated towards those.
@@ -115,6 +125,17 @@ impl<X: Point> Grid<X> {
     /// Singular ends of the domain, as far as rows know.
     pub(crate) fn ends(&self) -> Ends {
         self.ends
+    }
+
+    /// The same grid, with rows integrated towards lines as well.
+    pub(crate) fn across(self, lines: Vec<Line>) -> Self {
+        Grid { lines, ..self }
+    }
+
+    /// Coordinates where the row at a target crosses lines in or near a panel.
+    fn crossings<K: Kernel<Point = X> + HasDomain>(&self, target: &Target<'_, K>, (a, b): (f64, f64)) -> impl Iterator<Item = f64> {
+        let t = target.place();
+        self.lines.iter().filter_map(move |line| line.crossing(t)).filter(move |u| (a - u).max(u - b) < b - a)
     }
 
     /// Coordinates between which f is one piece: ends of panels, or double-exponential nodes.
@@ -133,7 +154,10 @@ impl<X: Point> Grid<X> {
 
     /// Whether the row at a target is integrated piece by piece on panel `p`.
     pub(crate) fn is_product<K: Kernel<Point = X> + HasDomain>(&self, target: &Target<'_, K>, p: usize) -> bool {
-        self.panels.as_ref().is_some_and(|panels| self.ends.at(p, panels.count()).is_some() || target.is_near(panels.panel(p)))
+        self.panels.as_ref().is_some_and(|panels| {
+            let near = target.is_near(panels.panel(p)) || self.crossings(target, panels.panel(p)).next().is_some();
+            near || self.ends.at(p, panels.count()).is_some()
+        })
     }
 
     /// Gauss–Legendre nodes of `order` on every panel of a one-dimensional domain; `breaks` ascend from 0 to 1.
@@ -157,7 +181,14 @@ impl<X: Point> Grid<X> {
             }
         }
         let pieces = Basis::gauss(order.max(16));
-        Ok(Grid { nodes, panels: Some(Panels { breaks, basis, pieces }), tensor: None, centred: None, ends: Ends::default() })
+        Ok(Grid {
+            nodes,
+            panels: Some(Panels { breaks, basis, pieces }),
+            tensor: None,
+            centred: None,
+            ends: Ends::default(),
+            lines: Vec::new(),
+        })
     }
 
     pub(crate) fn panels(&self) -> Option<&Panels> {
@@ -223,10 +254,17 @@ impl<X: Point> Grid<X> {
                 continue;
             }
             block.fill(0.0);
-            evaluations += match self.ends.at(index % panels.count(), panels.count()) {
-                Some(end) => ends::moments(&target, end, state, panel, (&panels.basis, &panels.pieces), &mut block)?,
-                None => target.moments(state, panel, &panels.basis, &panels.pieces, &mut block)?,
-            };
+            let rules = (&panels.basis, &panels.pieces);
+            let mut towards: Vec<_> = self.crossings(&target, panel).map(|u| Target::towards(&kernel_by_values, x, u)).collect();
+            if !towards.is_empty() {
+                towards.extend(Some(target).filter(|target| target.is_near(panel)));
+                evaluations += ends::moments_among(towards, state, panel, rules, &mut block)?;
+            } else {
+                evaluations += match self.ends.at(index % panels.count(), panels.count()) {
+                    Some(end) => ends::moments(&target, end, state, panel, rules, &mut block)?,
+                    None => target.moments(state, panel, &panels.basis, &panels.pieces, &mut block)?,
+                };
+            }
             for (l, entries) in block.chunks_exact(c * c).enumerate() {
                 entries.iter().enumerate().for_each(|(e, w)| out[((e / c) * n + index * p + l) * c + e % c] = *w);
             }

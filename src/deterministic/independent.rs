@@ -10,7 +10,7 @@ impl<X: Point> Grid<X> {
     pub(crate) fn independent<D: Domain<Point = X>>(&self, domain: &D) -> Result<Self, Error> {
         if let Some(p) = &self.panels {
             let grid = Grid::panelled(domain, between(&p.breaks, domain.volume().is_finite()), p.basis.len() + 3)?;
-            return Ok(grid.towards(self.ends));
+            return Ok(grid.towards(self.ends).across(self.lines.clone()));
         }
         if self.is_double_exponential() {
             // f may be singular at both ends

@@ -13,7 +13,7 @@ use crate::value::{Value, Weight};
 
 const PLACES: usize = 512;
 /// The other variable, at three places.
-const OTHERS: [f64; 3] = [0.091_3, 0.477_7, 0.883_1];
+pub(super) const OTHERS: [f64; 3] = [0.091_3, 0.477_7, 0.883_1];
 /// A difference this many times its neighbours' may hide a jump.
 const OUTSTANDING: f64 = 4.0;
 /// Jumps below this share of the largest value are rounding.
@@ -54,7 +54,7 @@ where
 }
 
 /// Jumps of one function of the coordinate; not within three places of `diagonal`.
-fn of(diagonal: Option<f64>, phi: impl Fn(f64) -> f64) -> Vec<f64> {
+pub(super) fn of(diagonal: Option<f64>, phi: impl Fn(f64) -> f64) -> Vec<f64> {
     let at = |i: usize| (i as f64 + 0.5) / PLACES as f64;
     let values: Vec<f64> = (0..PLACES).map(|i| phi(at(i))).collect();
     let size = values.iter().filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));

@@ -33,6 +33,7 @@ mod independent;
 mod jumps;
 mod krylov;
 pub(crate) mod linear;
+mod lines;
 mod low_rank;
 mod lu;
 mod mesh;

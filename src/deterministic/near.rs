@@ -85,6 +85,20 @@ impl<'a, K: Kernel + HasDomain> Target<'a, K> {
         Target { kernel, x, centre, end: Some(end), origin: end, t: 0.0, resolved, scale: f64::INFINITY, split: None }
     }
 
+    /// The row at x, with panels cut towards its crossing with a line along which K is singular, at coordinate `t`.
+    pub(crate) fn towards(kernel: &'a K, x: &'a K::Point, t: f64) -> Self {
+        let domain = kernel.domain();
+        let (centre, origin) = (domain.place(domain.state(x), || t).point, nearer_end(domain, t));
+        let t = domain.separation(&domain.place(domain.state(x), || origin).point, &centre);
+        let resolved = resolved(domain, &centre, origin, t, |_| false);
+        Target { kernel, x, centre, end: Some(t + origin), origin, t, resolved, scale: f64::INFINITY, split: None }
+    }
+
+    /// The coordinate of the centre.
+    pub(super) fn place(&self) -> f64 {
+        self.origin + self.t
+    }
+
     /// The same where something else is singular at a distance.
     pub(super) fn beside(self, scale: f64) -> Self {
         Target { scale, ..self }

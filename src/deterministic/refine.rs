@@ -38,7 +38,7 @@ where
             if b - a <= SMALLEST {
                 return Ok(vec![b]);
             }
-            if self.kernel_tail(panels, p)? * f.magnitude() > allowed {
+            if self.kernel_tail(f, panels, p)? * f.magnitude() > allowed {
                 return Ok(vec![end.cut(a, b), b]);
             }
             if self.tail_at_nodes(f, panels, p)?.max(self.layer(f, panels, p, end)?) <= allowed {
@@ -153,7 +153,7 @@ where
 
     /// What Gauss nodes on panel `p` miss of ∫ K(x, ·) for x on panels that count it as far: Gauss integrates twice the degree it interpolates,
     /// hence the square of the tail.
-    fn kernel_tail(&self, panels: &Panels, p: usize) -> Result<f64, Error> {
+    fn kernel_tail(&self, f: &NystromSolution<G, K>, panels: &Panels, p: usize) -> Result<f64, Error> {
         // rows are integrated piece by piece there
         if self.ends.at(p, panels.count()).is_some() {
             return Ok(0.0);
@@ -168,7 +168,7 @@ where
             let (low, high) = panels.panel(q);
             for from in 0..domain.states() {
                 let x = domain.place(from, || low + 0.5 * (high - low)).point;
-                if Target::new(kernel, &x).is_near((a, b)) {
+                if f.system().grid.is_product(&Target::new(kernel, &x), p) {
                     continue;
                 }
                 for (row, e) in nodes.iter().flat_map(|row| (0..c * c).map(move |e| (row, e))) {

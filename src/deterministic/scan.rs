@@ -1,7 +1,7 @@
 //! Places that no rule has as nodes, at which functions are compared with the polynomials through their values at the nodes.
 //!
-//! On a line: one place in each of 3072 cells, and in each part of a cell that ends of panels or double-exponential nodes cut off; on infinite domains also in
-//! steps of a hundredth of the distance from infinity.
+//! On a line: one place in each of 3072 cells, and in each part of a cell that ends of panels or double-exponential nodes cut off. Far out on
+//! an infinite domain these are wide: a bump of width w at x is seen if w > x²/3000 in units of the map's scale.
 
 use super::grid::{Grid, Stencil};
 use crate::domain::{Domain, Node, Point};
@@ -72,9 +72,6 @@ impl<X: Point> Scan<X> {
 /// One place in each cell of a lattice, and in each part of it that an end of a panel, or a double-exponential node, cuts off.
 fn along_line<D: Domain>(domain: &D, grid: &Grid<D::Point>) -> Vec<Node<D::Point>> {
     let mut cuts: Vec<f64> = (0..=SCANNED).map(|i| i as f64 / SCANNED as f64).chain(grid.cuts()).collect();
-    if !domain.volume().is_finite() {
-        cuts.extend(outwards());
-    }
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
     let place = |state: usize, i: usize| {
@@ -84,12 +81,6 @@ fn along_line<D: Domain>(domain: &D, grid: &Grid<D::Point>) -> Vec<Node<D::Point
         Node { point: n.point, weight: n.weight * (b - a) }
     };
     (0..domain.states()).flat_map(|s| (0..cuts.len() - 1).map(move |i| (s, i))).map(|(s, i)| place(s, i)).collect()
-}
-
-/// Distances from both ends of the coordinate in steps of a hundredth of themselves, down to 10⁻⁹: what is far out on an infinite domain.
-fn outwards() -> impl Iterator<Item = f64> {
-    let distances = (0..2000).map(|k| 1e-9 * (0.01 * f64::from(k)).exp()).take_while(|d| *d < 0.03);
-    distances.flat_map(|d| [d, 1.0 - d])
 }
 
 /// A jittered lattice in more dimensions.

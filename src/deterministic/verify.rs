@@ -186,15 +186,19 @@ where
         // K narrow in x, whatever its rows: f has what the columns have, and the rows where they are largest count
         let columns = lines(Along::Column, &rows);
         let highest: Vec<usize> = columns.iter().map(|line| line.highest).collect::<std::collections::BTreeSet<_>>().into_iter().collect();
+        let spread = rows.len() * c * c;
         let rows: Vec<K::Point> = rows.into_iter().chain(highest.iter().map(|i| scan.places[*i].point)).collect();
         for Line { size, gap, .. } in columns {
             largest.see(size);
             column.see(gap);
         }
-        for Line { size, mass: m, gap, .. } in lines(Along::Row, &rows) {
+        for (i, Line { size, mass: m, gap, .. }) in lines(Along::Row, &rows).into_iter().enumerate() {
             largest.see(size);
-            mass.see(m);
             row.see(gap);
+            // a row at a place of the scan has its peak there: no sample of its integral
+            if i < spread {
+                mass.see(m);
+            }
         }
         let ask_f = self.grid().panels().is_none() || column.0 > 0.0;
         let (largest, mass, row) = (largest.0, mass.0, row.0);

@@ -164,8 +164,8 @@ fn what_is_declared_wins_and_is_doubted() {
 
 #[test]
 fn adaptive_is_not_silently_wrong() {
-    // a jump off the diagonal, at |x − y| = 0.3: rules on panels cannot resolve it (trap 1.3)
-    let step = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| if (x - y).abs() < 0.3 { 0.7 } else { 0.0 });
+    // a jump along a curve, y = ½x² + 0.2: rules on panels cannot resolve it (trap 1.3)
+    let step = Equation::on_interval(0.0..=1.0, one, |x: f64, y: f64| if y < 0.5 * x * x + 0.2 { 0.7 } else { 0.0 });
     let Err(Error::NotConverged { error, tolerance, unknowns }) = step.solve(&Nystrom::adaptive().tolerance(1e-8).max_unknowns(600)) else {
         panic!("a step off the diagonal was accepted")
     };
