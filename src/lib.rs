@@ -69,6 +69,7 @@
 //! # Reading order
 //!
 //! `value` → [`integral`] → [`kernel`] → `walk/scoring/collision.rs` → `walk/driver.rs` → [`deterministic`] → [`transport`]: about 700 lines to the whole idea.
+//! `scene/light_transport.rs` then shows that a path tracer is one more kernel.
 //! «theory (4.2.1)» in comments numbers the formulas; each file that uses one states it.
 
 pub mod check;
