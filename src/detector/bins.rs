@@ -42,9 +42,9 @@ impl Bins {
     /// The cell of x, if it is inside.
     #[inline]
     pub fn cell(&self, x: f64) -> Option<usize> {
-        let inside = self.interval.contains(&x);
+        let last = self.count.checked_sub(1)?;
         // the last cell keeps its upper end
-        inside.then(|| ((self.interval.coordinate(&x, 0) * self.count as f64) as usize).min(self.count - 1))
+        self.interval.contains(&x).then(|| ((self.interval.coordinate(&x, 0) * self.count as f64) as usize).min(last))
     }
 
     /// Middle of cell `cell`.
@@ -61,7 +61,9 @@ impl Detector for Bins {
     }
     #[inline]
     fn start<S: Sampler>(&self, cell: usize, u: &mut S) -> Start<f64> {
-        Start { point: self.place(cell, u.next_1d()), weight: 1.0 }
+        let x = self.place(cell, u.next_1d());
+        // rounding may put a point of a cell into its neighbour, where its density is 0
+        Start { point: if self.cell(x) == Some(cell) { x } else { self.centre(cell) }, weight: 1.0 }
     }
     fn norm(&self) -> Option<f64> {
         Some(1.0)

@@ -18,6 +18,15 @@ pub struct Truncation {
     pub bias_bound: Option<f64>,
 }
 
+impl fmt::Display for Truncation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.bias_bound {
+            Some(b) => write!(f, "cut at depth {} (|bias| ≤ {b:.1e})", self.depth),
+            None => write!(f, "cut at depth {} (bias unknown)", self.depth),
+        }
+    }
+}
+
 /// What the diagnostics say, in order of severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
@@ -229,10 +238,7 @@ impl<V: Value> fmt::Display for Estimate<V> {
             steps => write!(f, "{text}, {} walks, {steps} steps", self.samples())?,
         }
         if let Some(t) = self.truncation {
-            match t.bias_bound {
-                Some(b) => write!(f, ", cut at depth {} (|bias| ≤ {b:.1e})", t.depth)?,
-                None => write!(f, ", cut at depth {} (bias unknown)", t.depth)?,
-            }
+            write!(f, ", {t}")?;
         }
         write!(f, ", {}", self.verdict())
     }

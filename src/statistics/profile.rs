@@ -1,7 +1,7 @@
 //! f along many points from one set of walks, with what their common randomness does to its errors.
 
 use super::band::{self, Band};
-use super::{Estimate, Moments, Verdict};
+use super::{Estimate, Moments, Truncation, Verdict};
 use crate::value::Value;
 use std::fmt;
 
@@ -143,6 +143,11 @@ impl<X: Copy, V: Value> Profile<X, V> {
         self.source_error
     }
 
+    /// Set if walks were cut at a fixed depth: a bias besides [`bias`](Profile::bias), and not in the bands.
+    pub fn truncation(&self) -> Option<Truncation> {
+        self.cells.first().and_then(|cell| cell.truncation)
+    }
+
     /// What the scores behind each value say about its error.
     pub fn verdicts(&self) -> &[Verdict] {
         &self.verdicts
@@ -169,6 +174,9 @@ impl<X: Copy, V: Value> Profile<X, V> {
 impl<X: Copy, V: Value> fmt::Display for Profile<X, V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} points, {} batches, {}", self.points.len(), self.deviations.len(), self.bias)?;
+        if let Some(truncation) = self.truncation() {
+            write!(f, ", {truncation}")?;
+        }
         match self.relative_error() {
             Some(error) => write!(f, ", standard errors ≤ {:.1e} of the maximum", error)?,
             None => write!(f, ", errors unknown")?,

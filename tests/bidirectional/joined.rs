@@ -205,7 +205,13 @@ fn pairs_are_estimators_like_others() {
         assert_eq!(a.degrees_of_freedom, 15);
         assert!(a.agrees_with(1.0 + 0.3 * bins.centre(cell), 8.0), "{a}");
     }
+    // the coordinate that chooses a cell is none of the walk's
     let query = eq.seen_by(&bins);
+    let shared = query.bidirectional(&Bidirectional::new()).unwrap().shared();
+    let by_points = Combination::new().sequence(Sobol::new(3)).with(OneCell(shared)).solve().unwrap();
+    for (cell, c) in by_points.iter().enumerate() {
+        assert!(c.estimate.agrees_with(1.0 + 0.3 * bins.centre(cell), 8.0), "{}", c.estimate);
+    }
     let pairs = query.bidirectional(&Bidirectional::new()).unwrap();
     let chains = Metropolis::new().mutations(512).solve(&pairs).unwrap();
     assert!(chains.cells[2].agrees_with(1.0 + 0.3 * bins.centre(2), 8.0), "{}", chains.cells[2]);
@@ -233,6 +239,15 @@ fn pairs_for_all_cells_at_once() {
     all_pass(results);
 }
 
+/// Starts that rounding puts into the neighbour cell: bins whose points are 10⁻⁷ apart.
+#[test]
+fn bins_far_from_zero() {
+    let a = 1e9;
+    let eq = erased!((a, a + 1.0), |_| 1.0, move |x: f64, y: f64| 0.5 * (x - a) * (y - a));
+    let cells = eq.seen_by(&Bins::new(a..=a + 1.0, 100)).solve(&Bidirectional::new().samples_per_cell(1 << 12)).unwrap();
+    assert!(cells[50].agrees_with(1.1515, 8.0), "{}", cells[50]);
+}
+
 #[test]
 fn refusals() {
     let eq = erased!((0.0, 1.0), |_| 1.0, |x: f64, y: f64| 0.5 * x * y);
@@ -258,4 +273,11 @@ fn refusals() {
     let dark = erased!((0.0, 1.0), |_| 0.0, |x: f64, y: f64| 0.5 * x * y);
     let e = dark.at(0.5).solve(&Bidirectional::new()).unwrap();
     assert_eq!(e.verdict(), fredholm::statistics::Verdict::NothingScored);
+    assert!(e.std_error.is_none() && !e.agrees_with(0.0, 5.0), "{e:#}");
+    let cells = dark.seen_by(&Bins::new(0.0..=1.0, 3)).solve(&Bidirectional::new().samples_per_cell(64)).unwrap();
+    assert!(cells.iter().all(|e| e.std_error.is_none()));
+    // strategies that are none, and tables without end
+    invalid(q.solve(&Bidirectional::new().strategies(Strategies::One { s: 0, t: 0 })), "vertices of a strategy");
+    assert!(q.solve(&Bidirectional::new().strategies(Strategies::Order(u64::MAX))).unwrap().std_error.is_none());
+    assert!(matches!(q.strategies(&Bidirectional::new(), 0, u64::MAX), Err(Error::Invalid { parameter: "order", .. })));
 }

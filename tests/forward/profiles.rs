@@ -149,6 +149,33 @@ fn singular_kernels_are_found_out() {
     assert_eq!(means.verdict(), Verdict::Trustworthy, "{means}");
 }
 
+/// Means of a g with a singular end or a jump are right to what the profile says; one without a mean has no band. K = 0: no walk adds to them.
+#[test]
+fn sources_that_are_hard_to_integrate() {
+    type Hard = fn(f64) -> f64;
+    let rows: [(Hard, f64); 4] = [
+        (|x| x.powf(-0.6), 2.5),
+        (|x| (1.0 - x).powf(-0.8), 5.0),
+        (|x| f64::from(u8::from(x > 0.377)), 0.623),
+        (f64::recip, f64::INFINITY),
+    ];
+    for (g, integral) in rows {
+        let eq = Equation::on_interval(0.0..=1.0, g, |_, _| 0.0);
+        let f = eq.solve(&Forward::new().walks(256).profile(Histogram::new(0.0..=1.0, 4))).unwrap();
+        let error = (f.values().iter().sum::<f64>() / 4.0 - integral).abs();
+        assert!(error <= f.source_error() && (f.source_error() < 0.2 * integral || integral.is_infinite()), "{error} {}", f.source_error());
+    }
+}
+
+/// Unbiased but for the cut.
+#[test]
+fn cut_walks_say_so() {
+    let f = straight!().solve(&Forward::new().depth(1).profile(KernelTally::at(&[1.0]))).unwrap();
+    let (bias, bound) = (line(1.0) - 1.25, f.truncation().unwrap().bias_bound.unwrap());
+    assert!(bias <= bound + 1e-12 && f.to_string().contains("cut at depth 1 (|bias| ≤"), "{f}");
+    assert!(straight!().solve(&Forward::new().profile(KernelTally::at(&[1.0]))).unwrap().truncation().is_none());
+}
+
 /// What nothing reaches is unknown: no interval, and a band without ends.
 #[test]
 fn the_unreached_is_unknown() {

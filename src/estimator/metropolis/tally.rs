@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::estimator::{Estimator, Score};
-use crate::sampling::Sampler;
+use crate::sampling::{Purpose, Sampler};
 use crate::value::Value;
 
 /// An unbiased estimator of all cells at once: one point of the cube scores in any of them.
@@ -31,7 +31,8 @@ pub trait Tally: Send + Sync {
 
 /// The cell that a point chooses, each with probability 1/cells.
 pub(crate) fn choose<S: Sampler>(cells: usize, u: &mut S) -> usize {
-    // the start of walks, which seek it again, must not read the same coordinate: it is read where a fresh cursor stands
+    // walks start once: no walk reads these coordinates, whereas a fresh cursor may stand at those of the start
+    u.seek(1, Purpose::Start);
     ((u.next_1d() * cells as f64) as usize).min(cells - 1)
 }
 

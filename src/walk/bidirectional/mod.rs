@@ -71,7 +71,7 @@ impl Strategies {
         };
         match self {
             Strategies::All => 0..light + 1,
-            Strategies::Order(m) => only((m + 1).checked_sub(t as u64)),
+            Strategies::Order(m) => only(m.checked_add(1).and_then(|vertices| vertices.checked_sub(t as u64))),
             Strategies::One { s, t: own } => only((own == t as u64).then_some(s)),
         }
     }
@@ -199,6 +199,9 @@ impl<E: Copy, F: Copy, Q: Sequence> Bidirectional<E, F, Q> {
         equation.validate()?;
         detector.validate()?;
         self.heuristic.validate()?;
+        if self.strategies == (Strategies::One { s: 0, t: 0 }) {
+            return Err(Error::invalid("vertices of a strategy", 0.0, "s + t must be at least 1"));
+        }
         let adjoint = equation.kernel().adjoint()?;
         if let Some(depth) = self.backward.cut().or(self.forward.cut()) {
             let why = "bidirectional walks of all orders cannot be cut without bias; ask for orders by `Strategies::Order`";

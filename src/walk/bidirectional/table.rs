@@ -15,6 +15,8 @@ use crate::walk::Ending;
 use std::ops::Range;
 
 /// What one strategy contributes, alone and in company.
+///
+/// Moments are those of single pairs. Their standard error is that of the mean for independent points alone, not for sequences with replicates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Strategy<V = f64> {
@@ -38,6 +40,9 @@ impl<V: Value> Strategy<V> {
 
 /// Pairs in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 const CHUNK: u64 = 1024;
+
+/// A larger table is refused: orders up to m have (m + 1)(m + 4)/2 strategies, each with two columns of scores.
+const MOST: u64 = 64;
 
 /// All (s, t) of orders up to `order`, by order, then by s.
 fn places(order: u64) -> impl Iterator<Item = (u64, u64)> {
@@ -72,7 +77,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of a solve; [`Error::Invalid`] for a cell that the detector does not have.
+    /// Those of a solve; [`Error::Invalid`] for a cell that the detector does not have, or orders above 64.
     pub fn strategies<E, F, Q>(&self, walks: &Bidirectional<E, F, Q>, cell: usize, order: u64) -> Result<Vec<Strategy<G::Value>>, Error>
     where
         E: Ending<K>,
@@ -82,6 +87,9 @@ where
         let pairs = self.bidirectional(walks)?;
         if cell >= self.detector().cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
+        }
+        if order > MOST {
+            return Err(Error::invalid("order", order as f64, "must be at most 64"));
         }
         let replicates = u64::from(walks.sequence.replicates().unwrap_or(1));
         let count = walks.samples.div_ceil(replicates);
