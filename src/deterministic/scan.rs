@@ -71,7 +71,10 @@ impl<X: Point> Scan<X> {
 
 /// One place in each cell of a lattice, and in each part of it that an end of a panel, or a double-exponential node, cuts off.
 fn along_line<D: Domain>(domain: &D, grid: &Grid<D::Point>) -> Vec<Node<D::Point>> {
-    let mut cuts: Vec<f64> = (0..=SCANNED).map(|i| i as f64 / SCANNED as f64).chain(grid.cuts()).collect();
+    // towards infinity a sliver of the coordinate stands for much
+    let at_finite_end = |t: &f64| domain.place(0, || t.round()).weight.is_finite();
+    let cells = (0..=SCANNED).map(|i| i as f64 / SCANNED as f64);
+    let mut cuts: Vec<f64> = cells.chain(grid.cuts().into_iter().filter(at_finite_end)).collect();
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
     let place = |state: usize, i: usize| {

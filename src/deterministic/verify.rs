@@ -195,13 +195,14 @@ where
         for (i, Line { size, mass: m, gap, .. }) in lines(Along::Row, &rows).into_iter().enumerate() {
             largest.see(size);
             row.see(gap);
-            // a row at a place of the scan has its peak there: no sample of its integral
-            if i < spread {
+            // a row at a place of the scan has its peak there, and far out that place stands for much: no sample of its integral
+            if i < spread || domain.volume().is_finite() {
                 mass.see(m);
             }
         }
-        let ask_f = self.grid().panels().is_none() || column.0 > 0.0;
         let (largest, mass, row) = (largest.0, mass.0, row.0);
+        let of_columns = largest * column.0 * self.fine.magnitude() * self.fine.inverse_norm();
+        let ask_f = self.grid().panels().is_none() || !(of_columns <= 0.1 * allowed);
         // |Tδ| ≤ sup|K| ∫|δ| and ≤ ‖T‖ sup|δ|: the second where the domain is infinite
         let image = |gaps: &[f64]| {
             let (gap, worst) = scan.sum_and_largest(gaps);
