@@ -87,8 +87,6 @@ pub(crate) fn estimate<V: Value>(
     }
     let Pooled { moments, std_error, degrees_of_freedom } = Pooled::of(replicates, &moments);
     let (value, tail, elapsed) = (moments.mean, Some(tail), clock.elapsed());
-    // what no score has reached is unknown, not 0 ± 0
-    let std_error = std_error.filter(|_| moments.nonzero > 0);
     Ok(Estimate { value, std_error, degrees_of_freedom, moments, tail, steps, evaluations, truncation: None, elapsed })
 }
 

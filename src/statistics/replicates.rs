@@ -30,7 +30,10 @@ impl<V: Value> Pooled<V> {
 
     /// By what the sequence says of its points ([`Sequence::replicates`](crate::sampling::Sequence::replicates)).
     pub(crate) fn of(replicates: Option<u32>, parts: &[Moments<V>]) -> Self {
-        if replicates.is_some() { Pooled::randomised(parts) } else { Pooled::independent(parts) }
+        let all = if replicates.is_some() { Pooled::randomised(parts) } else { Pooled::independent(parts) };
+        // what no score has reached is unknown, not 0 ± 0
+        let scored = all.moments.nonzero > 0;
+        Pooled { std_error: all.std_error.filter(|_| scored), ..all }
     }
 }
 

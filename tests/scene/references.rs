@@ -50,7 +50,7 @@ fn compare(
     let reference = stored(truth);
     let uncertain = deviation.map_or(vec![[0.0; 3]; SIZE * SIZE], stored);
     let sum = |c: [f64; 3]| c.iter().sum::<f64>();
-    let ours = blocks(|p| sum(image.pixels()[p].value.0), |p| sum(image.pixels()[p].std_error.unwrap().0));
+    let ours = blocks(|p| sum(image.pixels()[p].value.0), |p| sum(image.pixels()[p].std_error.unwrap_or_default().0));
     let theirs = blocks(|p| sum(reference[p]), |p| sum(uncertain[p]));
     let z = ours.iter().zip(&theirs).filter(|(a, b)| a.1 + b.1 > 0.0).map(|(a, b)| (a.0 - b.0) / (a.1 + b.1).sqrt());
     let p: Vec<f64> = z.map(|z| Normal::standard().cdf(z)).collect();

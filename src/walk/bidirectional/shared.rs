@@ -69,8 +69,6 @@ where
         let estimate = |(j, parts): (usize, &Vec<Moments<G::Value>>)| {
             let Pooled { moments, std_error, degrees_of_freedom } = Pooled::of(sequence.replicates(), parts);
             let (value, tail) = (moments.mean, tails.get(j).cloned());
-            // what no pair has reached is unknown, not 0 ± 0
-            let std_error = std_error.filter(|_| moments.nonzero > 0);
             Estimate { value, std_error, degrees_of_freedom, moments, tail, steps, evaluations, truncation: None, elapsed }
         };
         Ok(moments.iter().enumerate().map(estimate).collect())

@@ -256,7 +256,7 @@ where
         Estimate {
             value: moments.mean,
             // what no walk has reached is unknown, not 0 ± 0
-            std_error: std_error.filter(|_| moments.nonzero > 0),
+            std_error,
             degrees_of_freedom,
             moments,
             tail: cell.tail.clone(),
