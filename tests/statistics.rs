@@ -262,7 +262,7 @@ fn verdicts_say_what_is_unknown() {
     let exact = scores(|_| 2.5, 4096, 1);
     assert_eq!(format!("{exact}"), "2.5(0)");
     let single = scores(|u| u, 1, 1);
-    assert_eq!((single.std_error, single.half_width(0.95), single.verdict()), (None, None, Verdict::Doubtful));
+    assert_eq!((single.std_error, single.half_width(0.95), single.verdict()), (None, None, Verdict::Unmeasured));
     assert!(format!("{single}").ends_with("(?)"));
     // fourth powers overflow: the value stands, the spread is unknown, and the verdict says so
     let huge = scores(|u| 1e300 * (1.0 + u), 4096, 1);

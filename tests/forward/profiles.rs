@@ -172,7 +172,8 @@ fn sources_that_are_hard_to_integrate() {
 fn cut_walks_say_so() {
     let f = straight!().solve(&Forward::new().depth(1).profile(KernelTally::at(&[1.0]))).unwrap();
     let (bias, bound) = (line(1.0) - 1.25, f.truncation().unwrap().bias_bound.unwrap());
-    assert!(bias <= bound + 1e-12 && f.to_string().contains("cut at depth 1 (|bias| ≤"), "{f}");
+    // the bound is the largest at places down to 1e-9 from the ends
+    assert!(bias <= bound * (1.0 + 1e-8) && f.to_string().contains("cut at depth 1 (|bias| ≤"), "{f}");
     assert!(straight!().solve(&Forward::new().profile(KernelTally::at(&[1.0]))).unwrap().truncation().is_none());
 }
 
