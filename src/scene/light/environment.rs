@@ -11,12 +11,12 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 /// Radiance from every direction: the same from all, or from a map.
 ///
 /// A map is equirectangular: rows from the top (+y) down, columns once around, the middle of the image at −z. It is constant on texels, and sampled by
-/// radiance times solid angle.
+/// radiance times solid angle. Radiances are kept in single precision, as images have them.
 ///
 /// ```
 /// use fredholm::scene::Environment;
-/// let sky = Environment::constant([0.5, 0.7, 1.0]);
-/// assert_eq!(sky.radiance([0.0, 1.0, 0.0]).0, [0.5, 0.7, 1.0]);
+/// let sky = Environment::constant([0.5, 0.75, 1.0]);
+/// assert_eq!(sky.radiance([0.0, 1.0, 0.0]).0, [0.5, 0.75, 1.0]);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
