@@ -63,20 +63,25 @@ impl Image<Estimate<Rgb>> {
         self.map(|p| p.value)
     }
 
-    /// Standard errors; `None` if a pixel has none.
+    /// Standard errors, NaN in pixels that no walk has brought light to: theirs is unknown. `None` if no pixel has one.
     #[must_use]
     pub fn errors(&self) -> Option<Image<Rgb>> {
-        let pixels = self.pixels.iter().map(|p| p.std_error).collect::<Option<_>>()?;
-        Some(Image { width: self.width, pixels })
+        let unknown = crate::Spectrum([f64::NAN; 3]);
+        let pixels = self.pixels.iter().map(|p| p.std_error.unwrap_or(unknown)).collect();
+        self.pixels.iter().any(|p| p.std_error.is_some()).then_some(Image { width: self.width, pixels })
     }
 
     /// Largest root mean square, over the components, of the pixels' standard errors over the mean value of the image: what a progress bar shows.
+    /// Pixels whose error is unknown are left out.
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
-        let (errors, n) = (self.errors()?, self.pixels.len() as f64);
+        let errors: Vec<Rgb> = self.pixels.iter().filter_map(|p| p.std_error).collect();
+        if errors.is_empty() {
+            return None;
+        }
         let relative = |i: usize| {
-            let mean = self.pixels.iter().map(|p| p.value[i]).sum::<f64>() / n;
-            let square = errors.pixels.iter().map(|e| e[i] * e[i]).sum::<f64>() / n;
+            let mean = self.pixels.iter().map(|p| p.value[i]).sum::<f64>() / self.pixels.len() as f64;
+            let square = errors.iter().map(|e| e[i] * e[i]).sum::<f64>() / errors.len() as f64;
             if mean > 0.0 { square.sqrt() / mean } else { 0.0 }
         };
         Some((0..3).map(relative).fold(0.0, f64::max))
