@@ -96,7 +96,7 @@ impl SceneBuilder {
     }
 
     /// Adds a light without extent, of the same intensity in all directions. No ray hits it: only next events find it, so do not use
-    /// `Walk::collision` with it.
+    /// `Walk::collision` with it; what comes through mirrors or clear glass is found by `Forward` and `Bidirectional` alone.
     ///
     /// # Errors
     /// [`Error::Invalid`] for coordinates that are not finite and intensities that are negative or not finite.

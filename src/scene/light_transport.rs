@@ -12,6 +12,9 @@
 //! - a next event, is to connect x to a point of a light;
 //! - a Dirac part of the kernel, is a mirror or clear glass.
 //!
+//! *What walks from the eye cannot find*: light of points and directions that comes through mirrors or clear glass, for it is neither hit nor connected.
+//! Their images lack these caustics; [`Forward`](crate::Forward) and [`Bidirectional`](crate::Bidirectional) have them.
+//!
 //! So `Walk::mis()` on this equation is the path tracer of Veach (1997), and this module has no integrator.
 
 use super::counters::{Counters, count};
