@@ -232,7 +232,8 @@ where
         }
         let mut pooled = Pooled::randomised(&wholes);
         if self.sequence.replicates().is_none() && repetitions == 1 {
-            (pooled.std_error, pooled.degrees_of_freedom) = within.unwrap_or((None, 0));
+            let (std_error, freedom) = within.unwrap_or((None, 0));
+            pooled = Pooled::new(pooled.moments, std_error, freedom);
         }
         let Pooled { moments, std_error, degrees_of_freedom } = pooled;
         Ok(Estimate {

@@ -15,25 +15,27 @@ pub(crate) struct Pooled<V> {
 }
 
 impl<V: Value> Pooled<V> {
+    /// What no score has reached is unknown, not 0 ± 0: no error then.
+    pub(crate) fn new(moments: Moments<V>, std_error: Option<V>, degrees_of_freedom: u64) -> Self {
+        Pooled { std_error: std_error.filter(|_| moments.nonzero > 0), degrees_of_freedom, moments }
+    }
+
     /// From parts of independent scores: every score counts.
     pub(crate) fn independent(parts: &[Moments<V>]) -> Self {
         let moments = merged(parts);
-        Pooled { std_error: moments.std_error(), degrees_of_freedom: moments.count.saturating_sub(1), moments }
+        Pooled::new(moments, moments.std_error(), moments.count.saturating_sub(1))
     }
 
     /// From independent randomisations of equally many scores: only their means count. One alone has no error.
     pub(crate) fn randomised(replicates: &[Moments<V>]) -> Self {
         let means: Vec<_> = replicates.iter().map(|m| m.mean).collect();
         let std_error = Moments::from_scores(&means).std_error();
-        Pooled { moments: merged(replicates), std_error, degrees_of_freedom: (replicates.len() as u64).saturating_sub(1) }
+        Pooled::new(merged(replicates), std_error, (replicates.len() as u64).saturating_sub(1))
     }
 
     /// By what the sequence says of its points ([`Sequence::replicates`](crate::sampling::Sequence::replicates)).
     pub(crate) fn of(replicates: Option<u32>, parts: &[Moments<V>]) -> Self {
-        let all = if replicates.is_some() { Pooled::randomised(parts) } else { Pooled::independent(parts) };
-        // what no score has reached is unknown, not 0 ± 0
-        let scored = all.moments.nonzero > 0;
-        Pooled { std_error: all.std_error.filter(|_| scored), ..all }
+        if replicates.is_some() { Pooled::randomised(parts) } else { Pooled::independent(parts) }
     }
 }
 

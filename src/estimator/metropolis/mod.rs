@@ -159,9 +159,7 @@ impl Metropolis {
         let cost = Cost { steps: sum(&outcomes, |o| o.steps), evaluations: sum(&outcomes, |o| o.evaluations), elapsed: clock.elapsed() };
         let cell = |j: usize| {
             let chains: Vec<Moments<T::Value>> = outcomes.iter().map(|o| o.cells[j].moments(2 * self.mutations)).collect();
-            let cell = cost.estimate(Pooled::randomised(&chains));
-            // what no chain has reached is unknown, not 0 ± 0
-            Estimate { std_error: cell.std_error.filter(|_| cell.moments.nonzero > 0), ..cell }
+            cost.estimate(Pooled::randomised(&chains))
         };
         let share =
             |count: fn(&Outcome<T::Value>) -> (u64, u64)| sum(&outcomes, |o| count(o).1) as f64 / sum(&outcomes, |o| count(o).0) as f64;
