@@ -84,14 +84,16 @@ where
     fn arrival<S: Sampler, O: Observer<A::Point, A::Weight>>(
         &mut self,
         at: At<'_, A::Point, Carried<G::Value>, S>,
-        arrival: Arrival<A::Point>,
+        arrival: Arrival<A::Point, Carried<G::Value>>,
         (): &mut (),
         observer: &mut O,
     ) {
         at.visit.weight.tell(&at.visit.point, observer);
         at.u.seek(at.depth, Purpose::Event);
         let Onward { equation, detector, scoring, ref mut scores } = *self;
-        scoring.arrival(seen(equation, detector, at.visit), arrival, at.u, observer, |cell, score| scores.add(at.walk, cell, score));
+        scoring.arrival(seen(equation, detector, at.visit), arrival.unloaded(), at.u, observer, |cell, score| {
+            scores.add(at.walk, cell, score)
+        });
     }
 
     #[inline]

@@ -108,13 +108,13 @@ where
     fn arrival<S: Sampler, O: Observer<A::Point, A::Weight>>(
         &mut self,
         at: At<'_, A::Point, Carried<G::Value>, S>,
-        arrival: Arrival<A::Point>,
+        arrival: Arrival<A::Point, Carried<G::Value>>,
         (): &mut (),
         observer: &mut O,
     ) {
         at.visit.weight.tell(&at.visit.point, observer);
         at.u.seek(at.depth, Purpose::Event);
-        self.scoring.arrival(seen(self.equation, self.detector, at.visit), arrival, at.u, observer, &mut self.add);
+        self.scoring.arrival(seen(self.equation, self.detector, at.visit), arrival.unloaded(), at.u, observer, &mut self.add);
     }
 
     #[inline]
