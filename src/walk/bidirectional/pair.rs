@@ -90,7 +90,7 @@ where
         // nothing else reads the first vertex's next event
         u.seek(0, Purpose::Event);
         let birth = self.equation.source().emit(u);
-        let load = Carried { value: birth.weight, birth: birth.weight.magnitude() };
+        let load = Carried::born(birth.weight);
         let pdf = self.equation.source().emit_pdf(&birth.point);
         let driver = Driver { kernel: &self.adjoint, ending: &self.endings.1, max_steps: self.max_steps };
         let (forth, other) = walk(&driver, (birth.point, load, pdf), (u, 1), light, ranks);
@@ -180,6 +180,7 @@ where
         Side { path: light, last, before }
     }
 
+    #[inline]
     pub(super) fn weigh(&self, eye: &Side<'_, K::Point, Matrix<K::Weight>>, light: &Side<'_, G::State, Carried<G::Value>>) -> f64 {
         match self.strategies {
             Strategies::One { .. } => 1.0,
