@@ -110,7 +110,8 @@ where
     K::Weight: Weight<Value = G::Value>,
     D: Detector<Point = G::Point>,
 {
-    /// The walk with the optimal weights that a pilot of `pilot` walks finds, all cells together: a method like others, for this equation and detector.
+    /// The walk with the optimal weights that a pilot of `pilot` walks finds, all cells together: a method like others, for this equation and detector. What the
+    /// pilot costs is not part of its estimates.
     ///
     /// ```
     /// use fredholm::{Equation, Walk};
