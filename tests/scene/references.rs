@@ -10,10 +10,11 @@
 
 use crate::common::{Budget, all_pass};
 use crate::{AnyMethod, scene_file, solve};
-use fredholm::Walk;
-use fredholm::sampling::{Layout, Sobol};
+use fredholm::estimator::Metropolis;
+use fredholm::sampling::{Halton, Layout, Sobol};
 use fredholm::scene::load;
-use fredholm::walk::Roulette;
+use fredholm::walk::{Heuristic, Roulette};
+use fredholm::{Bidirectional, Estimate, Forward, Spectrum, Walk};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 const SIZE: usize = 64;
@@ -154,5 +155,52 @@ fn a_thousand_lamps_and_a_door_ajar() {
     let of = |name: &str| reference(&format!("{name}.npy"), Some(&format!("{name}_se.npy")));
     let mut results = compare("many_lights", &of("many_lights"), &by_block(128, 1.5, 0.035), &mut budget);
     results.extend(compare("ajar_door", &of("ajar_door"), &by_block(256, 2.0, 0.06), &mut budget));
+    all_pass(results);
+}
+
+/// What finds light in other ways: each pixel of a film of 8 × 8 is a block.
+fn methods(samples: u64) -> Vec<(&'static str, AnyMethod)> {
+    let roulette = Roulette::throughput(0.5);
+    let pairs = Bidirectional::new().samples_per_cell(samples / 2);
+    vec![
+        ("next event", Box::new(Walk::next_event().roulette(roulette).samples_per_cell(samples).seed(1))),
+        ("maximum", Box::new(Walk::mis().heuristic(Heuristic::Maximum).roulette(roulette).samples_per_cell(samples).seed(2))),
+        ("Halton", Box::new(Walk::mis().roulette(roulette).samples_per_cell(samples).sequence(Halton::new(3)))),
+        ("light tracing", Box::new(Forward::new().walks(64 * samples).seed(4))),
+        ("pairs", Box::new(pairs.seed(5))),
+        ("pairs, power", Box::new(pairs.heuristic(Heuristic::Power(2.0)).seed(6))),
+    ]
+}
+
+/// All methods find the same image, block by block.
+#[test]
+fn all_methods_agree() {
+    let mut budget = Budget::of("scene::agreement");
+    let mut results = Vec::new();
+    for (name, samples) in [("cornell", 1 << 11), ("plates", 1 << 11), ("many_lights", 1 << 11), ("ajar_door", 1 << 12)] {
+        let truth = match name {
+            "plates" => reference("plates_exact.npy", None),
+            _ => reference(&format!("{name}.npy"), Some(&format!("{name}_se.npy"))),
+        };
+        let truth = blocks(&truth);
+        let loaded = load(scene_file(&format!("{name}.gltf"))).unwrap();
+        let scene = loaded.builder.build().unwrap();
+        let (equation, film) = (scene.light_transport(), scene.film(loaded.cameras[0].0, 8, 8));
+        let field = |image: &[Estimate<Spectrum<3>>]| -> Field {
+            image.iter().map(|p| (p.value.0, p.std_error.unwrap_or_default().0.map(|e| e * e))).collect()
+        };
+        let mut fields: Vec<(&str, Field)> =
+            methods(samples).iter().map(|(method, m)| (*method, field(solve(&equation, &film, m).pixels()))).collect();
+        let query = equation.seen_by(&film);
+        let pairs = query.bidirectional(&Bidirectional::new()).unwrap().shared();
+        let chains = Metropolis::new().mutations(samples).pool(samples / 4).seed(7).solve(&pairs).unwrap();
+        fields.push(("Metropolis", field(&chains.cells)));
+        // weights of a method must not know its luck: those of next event, and the other way round
+        let weights = [fields[0].1.clone(), fields[1].1.clone()];
+        for (k, (method, found)) in fields.iter().enumerate() {
+            let found = excess(found, &truth, &weights[usize::from(k == 0)]);
+            results.push(budget.at_most(&format!("{name}, {method}"), found, 0.0, 3.0));
+        }
+    }
     all_pass(results);
 }
