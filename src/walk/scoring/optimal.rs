@@ -115,7 +115,8 @@ where
     ///
     /// ```
     /// use fredholm::{Equation, Walk};
-    /// let eq = Equation::on_interval(0.0..=1.0, |x| (3.0 * x).exp(), |x, y| 0.5 * x * (-y).exp());
+    /// // next event by a table of g, steps to anywhere: where both have one density there is nothing to choose
+    /// let eq = Equation::on_interval(0.0..=1.0, |x| (3.0 * x).exp(), |x, y| 0.5 * x * (-y).exp()).tabulated_source(16)?;
     /// let (query, walk) = (eq.at(0.5), Walk::mis().depth(1));
     /// let best = query.optimal(&walk, 1024)?;
     /// let (balance, best) = (query.solve(&walk)?, query.solve(&best)?);
