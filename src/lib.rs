@@ -74,6 +74,7 @@
 
 pub mod check;
 mod complex;
+mod contained;
 pub mod detector;
 pub mod deterministic;
 pub mod domain;
@@ -84,6 +85,8 @@ pub mod estimator;
 pub mod formula;
 pub mod integral;
 pub mod kernel;
+#[cfg(any(feature = "plot", feature = "scene"))]
+mod output;
 mod parallel;
 #[cfg(feature = "plot")]
 pub mod plot;
