@@ -9,6 +9,7 @@
 //! | [`Scene`] | surfaces with materials, and lights; [`Scene::light_transport`] is its equation |
 //! | [`LightTransport`], [`Emission`] | the kernel and the source: `Walk::mis()` on them *is* the path tracer |
 //! | [`LightTracing`], [`Photon`] | the adjoint kernel and its states: [`Forward::new`](crate::Forward::new) is the light tracer, [`Bidirectional`](crate::Bidirectional) both |
+//! | [`PhotonDensity`] | the density of forward walks on surfaces: biased by blur, and finds what nothing else does |
 //! | [`Camera`], [`Film`] | the detector: a cell is a pixel |
 //! | [`Image`] | the answer: an estimate for every pixel; PNG, EXR |
 //! | [`Material`], [`Bsdf`] | how surfaces scatter |
@@ -45,6 +46,7 @@ mod light_transport;
 pub mod load;
 mod material;
 mod photon;
+mod photon_density;
 mod picture;
 mod radiosity;
 pub mod shapes;
@@ -63,6 +65,7 @@ pub use light_transport::{Emission, LightTransport};
 pub use load::load;
 pub use material::{Bsdf, Material, MetallicRoughness, Scattered, Sides, Textures};
 pub use photon::Photon;
+pub use photon_density::{PhotonDensity, PhotonImage};
 pub use radiosity::{Patches, Radiosity};
 pub use state::{Place, State};
 pub use texture::Texture;
