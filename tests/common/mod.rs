@@ -101,6 +101,7 @@ const REGISTERED: &[(&str, u32)] = &[
     ("scene::directions strategies", 12),
     ("scene::directions images", 76),
     ("scene::directions metropolis", 4),
+    ("scene::optimal", 1),
 ];
 
 /// The share of one test.
