@@ -118,11 +118,13 @@ where
     K::Weight: Weight<Value = G::Value>,
     D: Detector<Point = G::Point>,
 {
-    /// The walk with the optimal weights that a pilot of `pilot` walks finds, all cells together: a method like others, for this equation and detector.
+    /// The walk with the optimal weights that a pilot of `pilot` walks finds, all cells together: a method like others, for this equation and detector. What the
+    /// pilot costs is not part of its estimates.
     ///
     /// ```
     /// use fredholm::{Equation, Walk};
-    /// let eq = Equation::on_interval(0.0..=1.0, |x| (3.0 * x).exp(), |x, y| 0.5 * x * (-y).exp());
+    /// // next event by a table of g, steps to anywhere: where both have one density there is nothing to choose
+    /// let eq = Equation::on_interval(0.0..=1.0, |x| (3.0 * x).exp(), |x, y| 0.5 * x * (-y).exp()).tabulated_source(16)?;
     /// let (query, walk) = (eq.at(0.5), Walk::mis().depth(1));
     /// let best = query.optimal(&walk, 1024)?;
     /// let (balance, best) = (query.solve(&walk)?, query.solve(&best)?);
