@@ -1,4 +1,4 @@
-//! Images as files: PNG for the eye, EXR for what was computed; EXR environments.
+//! Images as files: PNG for the eye, EXR for what was computed; environments from EXR and HDR.
 
 use super::{Environment, Image, Rgb};
 use crate::error::Error;
@@ -74,6 +74,20 @@ impl Environment {
         let image = reader.from_file(path).map_err(|e| io(path, &e))?;
         let layer = image.layer_data;
         Environment::map(layer.size.width(), layer.size.height(), layer.channel_data.pixels.1)
+    }
+
+    /// An equirectangular Radiance file (`.hdr`); see [`Environment::map`].
+    ///
+    /// # Errors
+    /// As [`read_exr`](Self::read_exr).
+    pub fn read_hdr(path: impl AsRef<Path>) -> Result<Self, Error> {
+        use zune_hdr::zune_core::bytestream::ZCursor;
+        let path = path.as_ref();
+        let bytes = std::fs::read(path).map_err(|e| io(path, &e))?;
+        let mut decoder = zune_hdr::HdrDecoder::new(ZCursor::new(bytes));
+        let numbers = decoder.decode().map_err(|e| io(path, &format!("{e:?}")))?;
+        let (width, height) = decoder.dimensions().ok_or_else(|| io(path, &"no size"))?;
+        Environment::map(width, height, numbers.as_chunks::<3>().0.to_vec())
     }
 }
 
