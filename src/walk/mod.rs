@@ -25,6 +25,7 @@ mod run;
 mod scoring;
 
 pub use array::ArrayRqmc;
+pub(crate) use bidirectional::MOST_EDGES;
 pub use bidirectional::{
     Beyond, Bidirectional, Connect, Meet, Met, PairEstimator, PairMemory, SharedPairs, Strategies, Strategy, meet_by_density,
 };
