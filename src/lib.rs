@@ -77,6 +77,7 @@
 
 pub mod check;
 mod complex;
+mod contained;
 pub mod detector;
 pub mod deterministic;
 pub mod domain;
@@ -87,6 +88,8 @@ pub mod estimator;
 pub mod formula;
 pub mod integral;
 pub mod kernel;
+#[cfg(any(feature = "plot", feature = "scene"))]
+mod output;
 mod parallel;
 #[cfg(feature = "plot")]
 pub mod plot;

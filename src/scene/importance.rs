@@ -9,7 +9,7 @@
 //! directions. Veach (1997), §8.2; Pharr, Jakob, Humphreys, *Physically based rendering*, 3rd edition (2016), §16.1.
 
 use super::frame::Vec3;
-use super::geometry::Ray;
+use super::geometry::{Ray, Surface};
 use super::photon::Photon;
 use super::state::{Place, State};
 use super::{Film, Filter, Rgb};
@@ -114,10 +114,14 @@ impl Film {
     #[inline]
     fn hidden(&self, z: &Photon, y: &State, from: &Vec3) -> bool {
         let scene = &*self.scene.0;
-        scene.geometry.occluded(&match z.place {
-            Place::Surface(primitive) => scene.surface(primitive, y).segment_to_point((*from).into()),
-            _ => Ray::new((*from).into(), z.from),
-        })
+        !match z.place {
+            Place::Surface(primitive) => {
+                let aim = |at: &Surface| at.segment_to_point((*from).into());
+                scene.clear(aim(&scene.surface(primitive, y)), &y.outgoing.into(), aim)
+            }
+            // from the camera to where light comes from
+            _ => scene.clear(Ray::new((*from).into(), z.from), &z.from.into(), |at| at.spawn(z.from)),
+        }
     }
 
     /// What leaves z, in all pixels that see it: one shadow ray, if it is not 0.
@@ -166,7 +170,8 @@ impl Meet<Photon, Rgb> for Film {
 /// Light tracing: every photon is seen by the camera.
 ///
 /// What a mirror or clear glass sends there is not: no photon goes exactly to a pinhole, nor is one drawn to a point of a lens. Rather than dark pixels,
-/// a photon on such a place in sight is an error that names it; [`Bidirectional`](crate::Bidirectional) gives these paths to walks from the camera.
+/// a photon on such a place in sight is an error that names it; [`Bidirectional`](crate::Bidirectional) gives these paths to walks from the camera, and
+/// [`PhotonDensity`](super::PhotonDensity) looks through mirrors.
 impl Score<Photon, Rgb> for Film {
     #[inline]
     fn score<S: Sampler>(&self, z: &Photon, load: Rgb, u: &mut S, mut add: impl FnMut(usize, Rgb)) {
@@ -174,5 +179,10 @@ impl Score<Photon, Rgb> for Film {
         let not_found = Rgb::from_components(|_| f64::NAN);
         let leaving = |y: &State| if scene.mirrors(z, y) { not_found } else { scene.leaving(z, y).apply(load) };
         self.expose(z, u, leaving, |Met { cell, score, .. }| add(cell, score));
+    }
+
+    fn refusal(&self, z: &Photon) -> Option<&'static str> {
+        let why = "no connection finds the light that a mirror or clear glass sends to the camera; `Bidirectional` and `PhotonDensity` do";
+        self.scene.0.mirrors(z, &z.turned()).then_some(why)
     }
 }

@@ -1,6 +1,7 @@
 //! Progressive solving that the caller owns.
 
 use super::checkpoint::Checkpoint;
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
 use crate::error::Error;
@@ -135,7 +136,7 @@ impl<R: InProgress> Iterator for Rounds<R> {
         }
         let round = self.run.state().round;
         let target = self.run.first().checked_shl(round as u32).unwrap_or(budget).min(budget);
-        if let Err(error) = self.run.advance(target.max(done + 1)) {
+        if let Err(error) = contained(|| self.run.advance(target.max(done + 1))) {
             self.failed = true;
             return Some(Err(error));
         }

@@ -103,8 +103,10 @@ const REGISTERED: &[(&str, u32)] = &[
     ("scene::radiosity", 3),
     ("scene::directions furnace", 10),
     ("scene::directions strategies", 12),
-    ("scene::directions images", 76),
+    ("scene::directions images", 86),
     ("scene::directions metropolis", 4),
+    ("scene::directions caustic", 1),
+    ("scene::optimal", 1),
 ];
 
 /// The share of one test.

@@ -76,6 +76,27 @@ fn what_is_not_used_is_reported() {
     assert_eq!(entries, [("blended alpha: the material is opaque", 1), ("extension KHR_materials_sheen", 1)]);
 }
 
+/// Spot lights become lights, masks holes.
+#[test]
+fn beams_and_masks_are_used() {
+    let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
+    let masked = text.replace("\"doubleSided\"", "\"alphaMode\": \"MASK\", \"alphaCutoff\": 2.0, \"doubleSided\"");
+    let loaded = gltf(masked.as_bytes(), ".").unwrap();
+    assert!(loaded.report.is_empty(), "{}", loaded.report);
+    let camera = loaded.cameras[0].0;
+    let scene = loaded.builder.build().unwrap();
+    let image = scene.light_transport().seen_by(&scene.film(camera, 2, 2)).solve(&Walk::mis().samples_per_cell(4)).unwrap();
+    assert!(image.pixels().iter().all(|p| p.value.0 == [0.0; 3]), "all of it is a hole");
+    let spot = r#""extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {"outerConeAngle": 0.5}}]}}, "nodes""#;
+    let (head, nodes) = text.rsplit_once("\"nodes\"").unwrap();
+    let lit = [head, spot, nodes].concat();
+    let lit = lit.replacen("\"mesh\": 0", "\"mesh\": 0, \"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}", 1);
+    let lit = lit.replacen("\"extensionsUsed\": [", "\"extensionsUsed\": [\"KHR_lights_punctual\", ", 1);
+    let loaded = gltf(lit.as_bytes(), ".").unwrap();
+    assert!(loaded.report.is_empty(), "{}", loaded.report);
+    assert!(loaded.builder.build().unwrap().to_string().contains("5 lights near"));
+}
+
 #[test]
 fn wavefront_files_load() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
@@ -87,6 +108,19 @@ fn wavefront_files_load() {
     let scene = loaded.builder.build().unwrap();
     let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
     assert_eq!(fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, [1.0, 2.0, 3.0]);
+    // one number is a grey; two are none, and said
+    let seen = |library: &str| {
+        std::fs::write(folder.join("short.mtl"), library).unwrap();
+        std::fs::write(folder.join("short.obj"), obj.replace("box.mtl", "short.mtl")).unwrap();
+        let loaded = load(folder.join("short.obj")).unwrap();
+        let (report, scene) = (loaded.report.to_string(), loaded.builder.build().unwrap());
+        let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+        (fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, report)
+    };
+    assert_eq!(seen("newmtl lamp\nKe 2\n"), ([2.0; 3], "everything in the file is used".to_string()));
+    for short in ["newmtl lamp\nKe 2 2\n", "newmtl lamp\nKd\n"] {
+        assert!(seen(short).1.contains("everything is grey"), "{short}");
+    }
     std::fs::write(folder.join("bad.obj"), "v 0 0 x\nf 1 2 3\n").unwrap();
     assert!(matches!(load(folder.join("bad.obj")), Err(Error::SceneFile { .. })));
     std::fs::write(folder.join("far.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 9\n").unwrap();
