@@ -42,7 +42,9 @@ fn main() -> Result<(), Error> {
     let plain = query.solve(&walk.samples_per_cell(2 * mutations * 32 / 256))?;
     println!(
         "acceptance: {:.2} of small steps, {:.3} of fresh points; b = {}",
-        chains.acceptance, chains.large_acceptance, chains.normalisation
+        chains.acceptance.unwrap_or(f64::NAN),
+        chains.large_acceptance.unwrap_or(f64::NAN),
+        chains.normalisation
     );
     println!("{:>24}  true error (rms)  stated", "");
     for (name, cells) in [("plain walks", &plain), ("Metropolis", &chains.cells), ("Metropolis, combined", &combined.cells)] {

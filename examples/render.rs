@@ -2,7 +2,7 @@
 //!
 //! Equation: L = Lₑ + T L, radiance in the scene. Answer: an image as PNG and EXR, with the standard error of every pixel as a layer.
 //!
-//! `cargo run --release --example render -- scene.gltf [--width 320] [--samples 1024] [--error 0.02]`
+//! `cargo run --release --example render -- scene.gltf [--width 320] [--samples 1024] [--error 0.02] [--environment sky.exr]`
 #![allow(clippy::print_stdout)]
 
 use fredholm::scene::{self, Camera, Environment};
@@ -23,7 +23,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("no camera: looking at the origin from (3, 2, 5)");
         (Camera::look_at([3.0, 2.0, 5.0], [0.0; 3]), None)
     });
-    if loaded.builder.is_dark() {
+    let sky = std::env::args().skip_while(|a| a != "--environment").nth(1);
+    if let Some(sky) = &sky {
+        let hdr = sky.to_ascii_lowercase().ends_with(".hdr");
+        loaded.builder.environment(if hdr { Environment::read_hdr(sky)? } else { Environment::read_exr(sky)? });
+    } else if loaded.builder.is_dark() {
         println!("no light: under a white sky");
         loaded.builder.environment(Environment::constant([1.0; 3]));
     }

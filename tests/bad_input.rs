@@ -180,6 +180,7 @@ fn cases() -> Vec<Case> {
         case("interval to infinity", move || solve(0.0..=INF, one, k), "Invalid", "interval end = inf: must be finite"),
         case("interval from minus infinity", move || solve(-INF..=0.0, one, k), "Invalid", "interval start = -inf"),
         case("interval of infinite length", move || solve(-f64::MAX..=f64::MAX, one, k), "Invalid", "interval length = inf"),
+        case("interval of nine numbers", move || solve(1e15..=1e15 + 1.0, one, k), "Invalid", "interval length = 1: holds less than"),
         case("half line from NaN", || half(HalfLine::new(NAN)), "Invalid", "half-line start = NaN"),
         case("half line of scale 0", || half(HalfLine::new(0.0).scale(0.0)), "Invalid", "half-line scale = 0: must be positive and finite"),
         case("half line of negative scale", || half(HalfLine::new(0.0).scale(-1.0)), "Invalid", "half-line scale = -1"),

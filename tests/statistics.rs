@@ -268,6 +268,26 @@ fn verdicts_say_what_is_unknown() {
     let huge = scores(|u| 1e300 * (1.0 + u), 4096, 1);
     assert!((huge.value / 1.5e300 - 1.0).abs() < 0.1, "{huge:?}");
     assert_eq!(huge.verdict(), Verdict::Doubtful);
+    // squares underflow: an error of 0 is none
+    for tiny in [1e-100, 1e-200, 1e-310] {
+        let e = scores(move |u| tiny * (1.0 + u), 4096, 1);
+        assert_eq!(e.verdict(), Verdict::Doubtful, "{e:?}");
+    }
+}
+
+/// g(x) is added to every score of a walk from x: it must not hide a tail.
+#[test]
+fn a_constant_added_to_the_scores_hides_no_tail() {
+    let mut trusted = [0; 3];
+    for seed in 0..100 {
+        for (count, index) in trusted.iter_mut().zip([1.5, 2.1, 6.0]) {
+            let e = scores(move |u: f64| 3.0 + u.powf(-1.0 / index), 1 << 16, seed);
+            let (shape, error) = e.tail.as_ref().unwrap().shape().unwrap();
+            assert!((shape - 1.0 / index).abs() < 6.0 * error, "seed {seed}, index {index}: {shape} ± {error}");
+            *count += u32::from(e.verdict() == Verdict::Trustworthy);
+        }
+    }
+    assert!(trusted[0] == 0 && trusted[1] < 30 && trusted[2] == 100, "{trusted:?}");
 }
 
 #[test]

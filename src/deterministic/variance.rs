@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! K₂ = K²/(P π)       π the density of a step, P(x) the survival probability                     theory (4.1.7)
-//! σ² = ν + K₂ σ²,     ν(x) = ∫ K₂(x, y) f(y)² dμ(y) − ((Tf)(x))²           collision estimator, theory (4.3.3)
+//! σ² = ν + K₂ σ²,     ν the variance of one step                         theory (4.3.3), (4.3.5)
 //! c  = 1 + P π c      vertices a walk                                                            theory (4.3.4)
 //! ```
 //!
@@ -12,15 +12,16 @@
 use super::grid::Grid;
 use super::linear::Factor;
 use super::nystrom::Nystrom;
+use super::one_step::{Composed, OneStep, Predictable, Rows};
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator, TransitionPdf};
 use crate::source::Source;
-use crate::walk::{Collision, Ending, Walk};
+use crate::walk::{Ending, Walk};
 use nalgebra::DVector;
 
-/// Whether the collision estimator has a variance.
+/// Whether a walk has a variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PredictedVariance {
@@ -28,22 +29,24 @@ pub enum PredictedVariance {
     Finite,
     /// ρ(K₂) ≥ 1: second moments of the weights grow without bound.
     InfiniteBySeries,
-    /// ∫ K²/(Pπ) dμ diverges at the diagonal: one step suffices. The ratio of its integrals over [r, 2r] when r is halved.
+    /// ∫ K²/(Pπ) dμ, or that of K²/q, diverges at the diagonal: one step suffices. The ratio of its integrals over [r, 2r] when r is halved.
     InfiniteAtDiagonal {
         /// 1 for 1/|x − y|.
         ratio: f64,
     },
 }
 
-/// Predicted variance and cost of [`Walk::collision`] with a survival that depends on the place alone.
+/// Predicted variance and cost of a [`Walk`] with a survival that depends on the place alone.
 #[derive(Debug)]
-pub struct Prediction<'a, G: Source, K: Operator, E> {
+pub struct Prediction<'a, G: Source, K: Operator, C, E> {
     equation: &'a Equation<G, K>,
+    scoring: C,
     ending: E,
     grid: Grid<K::Point>,
     radius: f64,
     verdict: PredictedVariance,
     solution: Vec<f64>,
+    source: Vec<f64>,
     variance: Option<Vec<f64>>,
     vertices: Vec<f64>,
 }
@@ -56,7 +59,8 @@ where
     G: Source<Value = f64>,
     K: Kernel + HasDomain + TransitionPdf + Operator<Point = G::Point, Weight = f64>,
 {
-    /// Predicts variance and cost of a collision walk on this equation, by a rule of some hundred unknowns.
+    /// Predicts variance and cost of a walk on this equation, by a rule of some hundred unknowns: collision, next event, MIS with any heuristic, and with the
+    /// weights of a pilot ([`Query::optimal`](crate::Query::optimal)).
     ///
     /// ```
     /// use fredholm::{Equation, Walk, walk::Roulette};
@@ -66,12 +70,19 @@ where
     /// assert!((prediction.radius() - 0.1).abs() < 1e-9);             // K₂ = x²y²/2
     /// let measured = eq.at(0.5).solve(&walk)?.variance().unwrap();
     /// assert!((measured / prediction.variance(0.5)?.unwrap() - 1.0).abs() < 0.05);
+    /// // which heuristic is the best, before any walk
+    /// let mis = Walk::mis().roulette(Roulette::constant(0.5));
+    /// assert!(eq.predict(&mis)?.variance(0.5)? < eq.predict(&walk)?.variance(0.5)?);
     /// # Ok::<(), fredholm::Error>(())
     /// ```
     ///
     /// # Errors
     /// [`Error::Invalid`] for an ending whose survival depends on more than the place (roulette by throughput, fixed depth); those of a Nyström solve.
-    pub fn predict<E: Ending<K>, Q>(&self, walk: &Walk<Collision, E, Q>) -> Result<Prediction<'_, G, K, E>, Error> {
+    pub fn predict<C, E, Q>(&self, walk: &Walk<C, E, Q>) -> Result<Prediction<'_, G, K, C, E>, Error>
+    where
+        C: Predictable<G, K>,
+        E: Ending<K>,
+    {
         match self.kernel().domain().dimension() {
             1 => self.predict_by(walk, &Nystrom::graded(8, 8).levels(6)),
             2 => self.predict_by(walk, &Nystrom::gauss_legendre(16)),
@@ -84,10 +95,15 @@ where
     ///
     /// # Errors
     /// Those of [`predict`](Equation::predict).
-    pub fn predict_by<E: Ending<K>, Q>(&self, walk: &Walk<Collision, E, Q>, rule: &Nystrom) -> Result<Prediction<'_, G, K, E>, Error> {
+    pub fn predict_by<C, E, Q>(&self, walk: &Walk<C, E, Q>, rule: &Nystrom) -> Result<Prediction<'_, G, K, C, E>, Error>
+    where
+        C: Predictable<G, K>,
+        E: Ending<K>,
+    {
         self.validate()?;
-        let ending = *walk.ends_by();
+        let (scoring, ending) = (*walk.scores_by(), *walk.ends_by());
         ending.validate()?;
+        scoring.validate(self, &ending)?;
         let grid = rule.grid(self.kernel().domain())?;
         for n in &grid.nodes {
             if ending.survival_at(self.kernel(), &n.point).is_none() {
@@ -98,7 +114,7 @@ where
                 ));
             }
         }
-        predict(self, ending, grid)
+        predict(self, (scoring, ending), grid)
     }
 }
 
@@ -114,43 +130,57 @@ fn source_values<G: Source<Value = f64>>(source: &G, grid: &Grid<G::Point>) -> R
     Ok(g)
 }
 
-fn predict<G, K, E>(equation: &Equation<G, K>, ending: E, grid: Grid<K::Point>) -> Result<Prediction<'_, G, K, E>, Error>
+fn predict<G, K, C, E>(
+    equation: &Equation<G, K>,
+    (scoring, ending): (C, E),
+    grid: Grid<K::Point>,
+) -> Result<Prediction<'_, G, K, C, E>, Error>
 where
     G: Source<Value = f64>,
     K: Kernel + HasDomain + TransitionPdf + Operator<Point = G::Point, Weight = f64>,
+    C: Predictable<G, K>,
     E: Ending<K>,
 {
     let (kernel, n) = (equation.kernel(), grid.nodes.len());
     let g = source_values(equation.source(), &grid)?;
-    let f = Factor::identity_minus(grid.matrix(kernel)?.0, n)?.solve(&g);
-    let density = Paired { kernel, ending, pairing: Pairing::Density };
-    let vertices = Factor::identity_minus(grid.matrix(&density)?.0, n)?.solve(&DVector::from_element(n, 1.0));
-    let second = Paired { kernel, ending, pairing: Pairing::Second };
+    let first = grid.matrix(kernel)?.0;
+    let f = Factor::identity_minus(first.clone(), n)?.solve(&g);
+    let step = OneStep { equation, scoring: &scoring, ending: &ending };
+    let density = grid.matrix(&Composed::new(kernel, &|x, y| step.density(x, y)))?.0;
+    let vertices = Factor::identity_minus(density, n)?.solve(&DVector::from_element(n, 1.0));
+    let (solution, source) = (f.as_slice().to_vec(), g.as_slice().to_vec());
     let mut out = Prediction {
         equation,
+        scoring,
         ending,
         radius: f64::INFINITY,
         verdict: PredictedVariance::InfiniteBySeries,
-        solution: f.as_slice().to_vec(),
+        solution,
+        source,
         variance: None,
         vertices: vertices.as_slice().to_vec(),
         grid,
     };
-    let matrix = match out.grid.matrix(&second) {
-        Ok((matrix, _)) => matrix,
-        Err(Error::NotIntegrable { ratio, .. }) => {
+    let step = out.step();
+    let second = out.grid.matrix(&Composed::new(kernel, &|x, y| step.second(x, y)));
+    let event = out.grid.matrix(&Composed::new(kernel, &|x, y| step.event(x, y)));
+    let (second, event) = match (second, event) {
+        (Ok((second, _)), Ok((event, _))) => (second, event),
+        (Err(Error::NotIntegrable { ratio, .. }), _) | (_, Err(Error::NotIntegrable { ratio, .. })) => {
             out.verdict = PredictedVariance::InfiniteAtDiagonal { ratio };
             return Ok(out);
         }
-        Err(e) => return Err(e),
+        (Err(e), _) | (_, Err(e)) => return Err(e),
     };
-    out.radius = power_iteration(&matrix, n);
-    if out.radius.is_nan() || out.radius >= 1.0 - MARGIN {
+    let radius = power_iteration(&second, n);
+    let part = |i: usize| i * n..(i + 1) * n;
+    let rows = |i: usize| Rows { first: &first[part(i)], second: &second[part(i)], event: &event[part(i)] };
+    let nu = DVector::from_fn(n, |i, _| step.variance(&out.grid.nodes[i].point, &rows(i), &out.grid.nodes, (&out.solution, &out.source)));
+    out.radius = radius;
+    if radius.is_nan() || radius >= 1.0 - MARGIN {
         return Ok(out);
     }
-    let row = |i: usize| &matrix[i * n..(i + 1) * n];
-    let nu = DVector::from_fn(n, |i, _| row(i).iter().zip(&f).map(|(k, f)| k * f * f).sum::<f64>() - (f[i] - g[i]).powi(2));
-    let variance = Factor::identity_minus(matrix, n)?.solve(&nu);
+    let variance = Factor::identity_minus(second, n)?.solve(&nu);
     // σ² < 0 beyond rounding proves that there is no variance (trap (4.3.8))
     let scale = f.amax().powi(2) + variance.amax();
     if variance.min() >= -MARGIN * scale {
@@ -160,12 +190,17 @@ where
     Ok(out)
 }
 
-impl<G, K, E> Prediction<'_, G, K, E>
+impl<G, K, C, E> Prediction<'_, G, K, C, E>
 where
     G: Source<Value = f64>,
     K: Kernel + HasDomain + TransitionPdf + Operator<Point = G::Point, Weight = f64>,
+    C: Predictable<G, K>,
     E: Ending<K>,
 {
+    fn step(&self) -> OneStep<'_, G, K, C, E> {
+        OneStep { equation: self.equation, scoring: &self.scoring, ending: &self.ending }
+    }
+
     /// ρ(K₂); infinite if its rows are not integrable.
     #[must_use]
     pub fn radius(&self) -> f64 {
@@ -184,12 +219,13 @@ where
     /// [`Error::NonFiniteKernel`] with the place.
     pub fn variance(&self, x: K::Point) -> Result<Option<f64>, Error> {
         let Some(variance) = &self.variance else { return Ok(None) };
-        let kernel = self.equation.kernel();
-        let second = self.row(&Paired { kernel, ending: self.ending, pairing: Pairing::Second }, &x)?;
+        let (kernel, step) = (self.equation.kernel(), self.step());
         let first = self.row(kernel, &x)?;
-        let tf: f64 = first.iter().zip(&self.solution).map(|(k, f)| k * f).sum();
-        let carried: f64 = second.iter().zip(self.solution.iter().zip(variance)).map(|(k, (f, v))| k * (f * f + v)).sum();
-        Ok(Some(carried - tf * tf))
+        let second = self.row(&Composed::new(kernel, &|x, y| step.second(x, y)), &x)?;
+        let event = self.row(&Composed::new(kernel, &|x, y| step.event(x, y)), &x)?;
+        let rows = Rows { first: &first, second: &second, event: &event };
+        let own = step.variance(&x, &rows, &self.grid.nodes, (&self.solution, &self.source));
+        Ok(Some(own + second.iter().zip(variance).map(|(k, v)| k * v).sum::<f64>()))
     }
 
     /// Expected steps of one walk from x.
@@ -197,7 +233,8 @@ where
     /// # Errors
     /// [`Error::NonFiniteKernel`] with the place.
     pub fn steps(&self, x: K::Point) -> Result<f64, Error> {
-        let density = self.row(&Paired { kernel: self.equation.kernel(), ending: self.ending, pairing: Pairing::Density }, &x)?;
+        let step = self.step();
+        let density = self.row(&Composed::new(self.equation.kernel(), &|x, y| step.density(x, y)), &x)?;
         Ok(density.iter().zip(&self.vertices).map(|(k, c)| k * c).sum())
     }
 
@@ -217,59 +254,6 @@ where
         let mut row = vec![0.0; self.grid.nodes.len()];
         self.grid.row(kernel, x, &mut row)?;
         Ok(row)
-    }
-}
-
-#[derive(Clone, Copy)]
-enum Pairing {
-    /// K²/(Pπ)
-    Second,
-    /// Pπ
-    Density,
-}
-
-/// A kernel made of K, π and P.
-struct Paired<'a, K, E> {
-    kernel: &'a K,
-    ending: E,
-    pairing: Pairing,
-}
-
-impl<K, E> Operator for Paired<'_, K, E>
-where
-    K: TransitionPdf + Operator<Weight = f64>,
-    E: Ending<K>,
-{
-    type Point = K::Point;
-    type Weight = f64;
-}
-
-impl<K, E> Kernel for Paired<'_, K, E>
-where
-    K: Kernel + TransitionPdf + Operator<Weight = f64>,
-    E: Ending<K>,
-{
-    fn eval(&self, x: &K::Point, y: &K::Point) -> f64 {
-        let density = self.ending.survival_at(self.kernel, x).unwrap_or(f64::NAN) * self.kernel.pdf(x, y);
-        match self.pairing {
-            Pairing::Density => density,
-            Pairing::Second => {
-                let k = self.kernel.eval(x, y);
-                // where K vanishes nothing need be drawn; K ≠ 0 without density breaks condition (S) and gives an infinity, refused with its place
-                if k == 0.0 { 0.0 } else { k * k / density }
-            }
-        }
-    }
-}
-
-impl<K, E> HasDomain for Paired<'_, K, E>
-where
-    K: HasDomain + TransitionPdf + Operator<Weight = f64>,
-    E: Ending<K>,
-{
-    type Domain = K::Domain;
-    fn domain(&self) -> &K::Domain {
-        self.kernel.domain()
     }
 }
 

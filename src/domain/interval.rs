@@ -4,6 +4,9 @@ use super::{Domain, Node};
 use crate::error::Error;
 use std::ops::RangeInclusive;
 
+/// Length over |end| at which points of the interval are rounded to some 10⁻⁶ of it: K(x, y) would be that of other points, in every method alike.
+const COARSEST: f64 = (1u64 << 20) as f64 * f64::EPSILON;
+
 /// A finite interval [a, b] with Lebesgue measure.
 ///
 /// ```
@@ -69,6 +72,13 @@ impl Domain for Interval {
         }
         if !self.length().is_finite() {
             return Err(Error::invalid("interval length", self.length(), "must be finite"));
+        }
+        if self.length() < COARSEST * self.lower.abs().max(self.upper.abs()) {
+            return Err(Error::invalid(
+                "interval length",
+                self.length(),
+                "holds less than 2^20 floating-point numbers so far from 0: move the interval to the origin",
+            ));
         }
         Ok(())
     }

@@ -12,6 +12,9 @@ use nalgebra::{DMatrix, DVector};
 /// Eigenvalues below this share of the largest are taken for zero: rounding of covariances.
 const SINGULAR: f64 = 1e-12;
 
+/// The same for controls: those that add up to 0 are common.
+const DEPENDENT: f64 = 1e-9;
+
 /// Sample covariance of columns of equally many scores.
 pub(super) fn covariance(columns: &[Vec<f64>]) -> DMatrix<f64> {
     let n = columns[0].len() as f64;
@@ -50,6 +53,26 @@ pub(super) fn weights(s: &DMatrix<f64>) -> DVector<f64> {
     a / sum
 }
 
+/// a of least variance of Y + Σ a_k D_k, from equally many scores of Y and of controls D_k of mean 0: a = −(DᵀD)⁺ Dᵀ(Y − Ȳ). `None` if sums are not finite.
+pub(crate) fn coefficients(controls: &[Vec<f64>], y: &[f64]) -> Option<Vec<f64>> {
+    let n = controls.len();
+    let mean = y.iter().sum::<f64>() / y.len() as f64;
+    // in units of their own sizes, so that one threshold serves all
+    let sizes: Vec<f64> = controls.iter().map(|d| d.iter().map(|d| d * d).sum::<f64>().sqrt()).collect();
+    let units = |i: usize| if sizes[i] > 0.0 { 1.0 / sizes[i] } else { 0.0 };
+    let product = |i: usize, j: usize| controls[i].iter().zip(&controls[j]).map(|(a, b)| a * units(i) * b * units(j)).sum::<f64>();
+    let gram = DMatrix::from_fn(n, n, |i, j| product(i.min(j), i.max(j)));
+    let along = DVector::from_fn(n, |i, _| controls[i].iter().zip(y).map(|(d, y)| d * units(i) * (y - mean)).sum::<f64>());
+    if !gram.iter().chain(&along).all(|v| v.is_finite()) {
+        return None;
+    }
+    let eigen = gram.symmetric_eigen();
+    let threshold = DEPENDENT * eigen.eigenvalues.max();
+    let inverse = eigen.eigenvalues.map(|v| if v > threshold { 1.0 / v } else { 0.0 });
+    let a = -&eigen.eigenvectors * eigen.eigenvectors.tr_mul(&along).component_mul(&inverse);
+    Some((0..n).map(|i| a[i] * units(i)).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,5 +102,15 @@ mod tests {
         close(&of(&[&[1.0, -1.0], &[-1.0, 1.0]]), &[0.5, 0.5]);
         close(&of(&[&[0.0, 0.0], &[0.0, 3.0]]), &[1.0, 0.0]);
         close(&of(&[&[0.0, 0.0], &[0.0, 0.0]]), &[0.5, 0.5]);
+    }
+
+    #[test]
+    fn coefficients_take_away_what_the_controls_explain() {
+        // y = 2 + 3 d₀ − d₁ and a control that is a multiple of another, or nothing
+        let d = [vec![1.0, -1.0, 1.0, -1.0], vec![1.0, 1.0, -1.0, -1.0], vec![2.0, -2.0, 2.0, -2.0], vec![0.0; 4]];
+        let y: Vec<f64> = (0..4).map(|i| 2.0 + 3.0 * d[0][i] - d[1][i]).collect();
+        let a = coefficients(&d, &y).unwrap();
+        close(&[a[0] + 2.0 * a[2], a[1], a[3]], &[-3.0, 1.0, 0.0]);
+        assert!(coefficients(&[vec![f64::INFINITY; 4]], &y).is_none());
     }
 }

@@ -21,6 +21,7 @@ pub use debias::{Debias, Debiased, Form, Level, Survivors};
 pub use levels::{Depths, Levels, LevelsFn, levels_fn};
 pub use metropolis::{Chains, LargeSteps, Metropolis, OneCell, Tally};
 
+pub(crate) use covariance::coefficients;
 pub(crate) use metropolis::choose;
 pub(crate) use run::{estimate, score_block};
 

@@ -4,7 +4,7 @@ use super::Integral;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::parallel;
-use crate::sampling::{Pcg, Sampler, Sequence};
+use crate::sampling::Sequence;
 use crate::source::Source;
 use crate::statistics::{Moments, Tail};
 use crate::value::Value;
@@ -15,10 +15,6 @@ use std::ops::Range;
 pub(super) const CHUNK: u64 = 1024;
 /// Chunks in flight before they are merged: bounds memory on long runs.
 pub(super) const BATCH: u64 = 4096;
-/// What pilots draw from, whatever the main run does: independent points, seeded by a cell of its sequence that it never reads.
-pub(super) fn pilot_points(sequence: &impl Sequence) -> Pcg {
-    Pcg::new(sequence.point(u64::MAX, 0, 0).next_1d().to_bits())
-}
 
 /// The integrand, watched: how often it was evaluated, and where first it was not finite.
 #[derive(Debug)]

@@ -5,12 +5,12 @@
 //! ```
 
 use super::combined::Combined;
-use super::draw::{draw, pilot_points};
+use super::draw::draw;
 use super::{Importance, Integral, Integrator, Plain, Predict, Predictable};
 use crate::domain::{Domain, Point};
 use crate::error::Error;
 use crate::integral::Gauss;
-use crate::sampling::{Pcg, Sampler, Sequence};
+use crate::sampling::{Pcg, Sampler, Sequence, pilot_points};
 use crate::source::Source;
 use crate::statistics::{Estimate, Pooled};
 use crate::value::Value;

@@ -9,13 +9,13 @@
 //! strata at all (theory (4.14.5)). Reference: Cochran, *Sampling techniques* (1977), ch. 5; Haber, *A modified Monte-Carlo quadrature*, Math.
 //! Comp. 20 (1966) 361.
 
-use super::draw::{BATCH, CHUNK, Drawn, Probe, all, chunk, pilot_points};
+use super::draw::{BATCH, CHUNK, Drawn, Probe, all, chunk};
 use super::plain::Plain;
 use super::secondary::{Primary, validate};
 use super::{Allocation, Integral, Integrator, Strata};
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::sampling::{Pcg, Sequence};
+use crate::sampling::{Pcg, Sequence, pilot_points};
 use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled};
 use crate::value::Value;

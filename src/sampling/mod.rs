@@ -30,6 +30,7 @@ mod table;
 
 pub use discrepancy::{Bounds, PointSet};
 pub(crate) use hash::midpoint;
+pub(crate) use pcg::pilot_points;
 pub use pcg::{Pcg, PcgSampler};
 pub use sequence::{
     Coordinates, Halton, HaltonPoint, Hammersley, HammersleyPoint, LatinHypercube, Layout, PointSampler, Sobol, SobolPoint, Stratified,

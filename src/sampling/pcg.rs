@@ -31,6 +31,11 @@ impl Pcg {
     }
 }
 
+/// What pilots draw from, whatever the main run does: independent points, seeded by a cell of its sequence that it never reads.
+pub(crate) fn pilot_points(sequence: &impl Sequence) -> Pcg {
+    Pcg::new(sequence.point(u64::MAX, 0, 0).next_1d().to_bits())
+}
+
 impl Sequence for Pcg {
     type Sampler = PcgSampler;
 

@@ -2,7 +2,7 @@
 
 use super::frame::Vec3;
 use super::geometry::{Geometry, Mesh, Shape, Sphere};
-use super::light::{Births, Lights, Local, Remote, SphereLight, TriangleLight};
+use super::light::{Births, Lights, Local, PointLight, Remote, SphereLight, TriangleLight};
 use super::material::{Bsdf, Law, Material};
 use super::{Detail, Environment, Facet, FacetShape, Inner, NONE, Rgb, Scene};
 use crate::error::Error;
@@ -41,7 +41,7 @@ pub struct Attributes {
 pub struct SceneBuilder {
     materials: Vec<Material>,
     shapes: Vec<(Shape, MaterialId, Attributes)>,
-    points: Vec<(Vec3, Rgb)>,
+    points: Vec<PointLight>,
     directions: Vec<(Vec3, Rgb)>,
     environment: Option<Environment>,
 }
@@ -102,7 +102,40 @@ impl SceneBuilder {
     /// [`Error::Invalid`] for coordinates that are not finite and intensities that are negative or not finite.
     pub fn point_light(&mut self, position: [f64; 3], intensity: [f64; 3]) -> Result<(), Error> {
         finite("position of a light", position)?;
-        self.points.push((position.into(), radiance("intensity", intensity)?));
+        self.points.push(PointLight::all_around(position.into(), radiance("intensity", intensity)?));
+        Ok(())
+    }
+
+    /// Adds a light without extent and with a beam along `direction`: full intensity within `inner` degrees from the axis, none beyond `outer`, and
+    /// s² with s linear in the cosine between. Found as [`point_light`](Self::point_light).
+    ///
+    /// ```
+    /// let mut scene = fredholm::scene::Scene::builder();
+    /// scene.spot_light([0.0, 2.0, 0.0], [0.0, -1.0, 0.0], [5.0; 3], [20.0, 30.0])?;
+    /// assert!(scene.spot_light([0.0; 3], [0.0, -1.0, 0.0], [5.0; 3], [40.0, 30.0]).is_err());
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for angles that are not 0 ≤ inner ≤ outer ≤ 90 with outer > 0, and as [`point_light`](Self::point_light) and
+    /// [`directional_light`](Self::directional_light).
+    pub fn spot_light(
+        &mut self,
+        position: [f64; 3],
+        direction: [f64; 3],
+        intensity: [f64; 3],
+        [inner, outer]: [f64; 2],
+    ) -> Result<(), Error> {
+        finite("position of a light", position)?;
+        if !(outer > 0.0 && outer <= 90.0) {
+            return Err(Error::invalid("outer angle of a spot light", outer, "must lie in (0, 90] degrees"));
+        }
+        if !(inner >= 0.0 && inner <= outer) {
+            return Err(Error::invalid("inner angle of a spot light", inner, "must lie between 0 and the outer angle"));
+        }
+        let (axis, intensity) = (unit(direction)?, radiance("intensity", intensity)?);
+        let cosines = [inner, outer].map(|a| a.to_radians().cos());
+        self.points.push(PointLight { position: position.into(), intensity, axis, cosines });
         Ok(())
     }
 
@@ -113,11 +146,7 @@ impl SceneBuilder {
     /// [`Error::Invalid`] for a direction of no length and irradiances that are negative or not finite.
     pub fn directional_light(&mut self, direction: [f64; 3], irradiance: [f64; 3]) -> Result<(), Error> {
         finite("direction of a light", direction)?;
-        let length = Vec3::from(direction).norm();
-        if !(length > 0.0 && length.is_finite()) {
-            return Err(Error::invalid("length of a direction", length, "must be positive and finite"));
-        }
-        self.directions.push((Vec3::from(direction) / length, radiance("irradiance", irradiance)?));
+        self.directions.push((unit(direction)?, radiance("irradiance", irradiance)?));
         Ok(())
     }
 
@@ -151,13 +180,14 @@ impl SceneBuilder {
             parts.add(&geometry, shape, material.0, &materials[material.0 as usize], attributes);
         }
         let Parts { facets, details, mut lights } = parts;
-        lights.extend(points.into_iter().map(|(at, intensity)| (Local::Point(at, intensity), 4.0 * PI * intensity.magnitude())));
+        lights.extend(points.into_iter().map(|p| (Local::Point(p), p.solid_angle() * p.intensity.magnitude())));
         let remote = directions.into_iter().map(|(d, e)| Remote::Direction(d, e));
         let remote = remote.chain(environment.is_some().then_some(Remote::Environment)).collect();
         let power: Vec<f64> = lights.iter().map(|(_, power)| *power).collect();
         let lights = Lights::new(lights, remote);
         let births = Births::new(&lights, &power, environment.as_ref(), ball(&shapes));
-        Ok(Scene(Arc::new(Inner { geometry, facets, details, materials, lights, births, environment })))
+        let holes = materials.iter().any(|m| m.mask.is_some());
+        Ok(Scene(Arc::new(Inner { geometry, facets, details, materials, lights, births, environment, holes })))
     }
 }
 
@@ -251,6 +281,15 @@ fn worst_error(geometry: &Geometry, primitive: u32) -> [f64; 3] {
 
 fn finite(parameter: &'static str, values: [f64; 3]) -> Result<(), Error> {
     values.iter().find(|v| !v.is_finite()).map_or(Ok(()), |v| Err(Error::invalid(parameter, *v, "must be finite")))
+}
+
+fn unit(direction: [f64; 3]) -> Result<Vec3, Error> {
+    let length = Vec3::from(direction).norm();
+    if length > 0.0 && length.is_finite() {
+        Ok(Vec3::from(direction) / length)
+    } else {
+        Err(Error::invalid("length of a direction", length, "must be positive and finite"))
+    }
 }
 
 fn radiance(parameter: &'static str, values: [f64; 3]) -> Result<Rgb, Error> {

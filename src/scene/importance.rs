@@ -9,7 +9,7 @@
 //! directions. Veach (1997), §8.2; Pharr, Jakob, Humphreys, *Physically based rendering*, 3rd edition (2016), §16.1.
 
 use super::frame::Vec3;
-use super::geometry::Ray;
+use super::geometry::{Ray, Surface};
 use super::photon::Photon;
 use super::state::{Place, State};
 use super::{Film, Filter, Rgb};
@@ -114,10 +114,14 @@ impl Film {
     #[inline]
     fn hidden(&self, z: &Photon, y: &State, from: &Vec3) -> bool {
         let scene = &*self.scene.0;
-        scene.geometry.occluded(&match z.place {
-            Place::Surface(primitive) => scene.surface(primitive, y).segment_to_point((*from).into()),
-            _ => Ray::new((*from).into(), z.from),
-        })
+        !match z.place {
+            Place::Surface(primitive) => {
+                let aim = |at: &Surface| at.segment_to_point((*from).into());
+                scene.clear(aim(&scene.surface(primitive, y)), &y.outgoing.into(), aim)
+            }
+            // from the camera to where light comes from
+            _ => scene.clear(Ray::new((*from).into(), z.from), &z.from.into(), |at| at.spawn(z.from)),
+        }
     }
 
     /// What leaves z, in all pixels that see it: one shadow ray, if it is not 0.

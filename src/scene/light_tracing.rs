@@ -6,7 +6,7 @@
 //! K(x, z) = f(x) |cos θₓ| |cos θ_z|/r² V · f*(z)                                          the edge that joins an eye walk with a light walk
 //! ```
 //!
-//! Photons carry power: Φ is π Lₑ on surfaces, 4π I at points, πR² L from outside, and where light starts f* is 1/π, 1/4π, 1/πR². n_g is the true
+//! Photons carry power: Φ is π Lₑ on surfaces, I₀ Ω at points, πR² L from outside, and where light starts f* is 1/π, s(ω)/Ω, 1/πR². n_g is the true
 //! normal, n_s the one to shade with. The unknown is L/n², so that refraction multiplies a photon by (nᵢ/nₒ)².
 //!
 //! *Where both directions disagree*: eye walks that see the back of an interpolated normal shade with the true one, and light walks never choose such
@@ -22,7 +22,7 @@ use super::{Emission, Inner, LightTransport, NONE, Rgb};
 use crate::error::Error;
 use crate::kernel::{HasAdjoint, Kernel, Operator, Step, Transition, TransitionPdf};
 use crate::sampling::Sampler;
-use crate::sampling::distribution::{CosineHemisphere, Distribution, UniformSphere};
+use crate::sampling::distribution::{CosineHemisphere, Distribution};
 use crate::source::{Birth, Emit, EmitPdf};
 use crate::value::{Value, Weight};
 use crate::walk::{Beyond, Connect};
@@ -95,7 +95,7 @@ impl Inner {
     fn emitted_share(&self, z: &Photon) -> f64 {
         match z.place {
             Place::Surface(_) => FRAC_1_PI,
-            Place::Light(light) if (light as usize) < self.lights.local.len() => 0.25 * FRAC_1_PI,
+            Place::Light(light) => self.lights.point(light).map_or(1.0 / self.births.disk(), |p| 1.0 / p.solid_angle()),
             _ => 1.0 / self.births.disk(),
         }
     }
@@ -104,7 +104,11 @@ impl Inner {
     #[inline]
     pub(super) fn leaving(&self, z: &Photon, y: &State) -> Rgb {
         let Place::Surface(primitive) = z.place else {
-            return if z.emitted { Rgb::ONE.scaled(self.emitted_share(z)) } else { Rgb::ZERO };
+            let beam = match z.place {
+                Place::Light(light) => self.lights.point(light).map_or(1.0, |p| p.share(&y.outgoing.into())),
+                _ => 1.0,
+            };
+            return if z.emitted { Rgb::ONE.scaled(beam * self.emitted_share(z)) } else { Rgb::ZERO };
         };
         let normal = self.facets[primitive as usize].normal(y);
         if z.emitted {
@@ -126,13 +130,12 @@ impl Inner {
     /// The photon at the end of its flight; `None` if it leaves the scene.
     #[inline]
     fn fly(&self, ray: &Ray, direction: &Vec3) -> Option<Photon> {
-        let hit = self.geometry.closest(ray)?;
-        Some(Photon::arrived(&self.state(ray, &hit, direction), &-direction))
+        self.meet(ray, direction).map(|state| Photon::arrived(&state, &-direction))
     }
 
     #[inline]
     fn emission_step<S: Sampler>(&self, z: &Photon, u: &mut S) -> Option<Step<Photon, Rgb>> {
-        let point = u.next_2d();
+        let (point, mut beam) = (u.next_2d(), 1.0);
         let (ray, direction) = match z.place {
             Place::Void => return None,
             Place::Surface(primitive) => {
@@ -140,16 +143,18 @@ impl Inner {
                 let direction = Frame::around(surface.normal.into()).to_world(&CosineHemisphere.sample(point).into());
                 (surface.spawn(direction.into()), direction)
             }
-            Place::Light(light) if (light as usize) < self.lights.local.len() => {
-                let direction = UniformSphere.sample(point);
-                (Ray::new(z.position, direction), direction.into())
+            Place::Light(light) if self.lights.point(light).is_some() => {
+                let light = self.lights.point(light)?;
+                let direction = light.sample(point);
+                beam = light.share(&direction);
+                (Ray::new(z.position, direction.into()), direction)
             }
             Place::Light(_) | Place::Environment => {
                 let direction = -Vec3::from(z.from);
                 (Ray::new(self.births.before(&direction, point).into(), direction.into()), direction)
             }
         };
-        self.fly(&ray, &direction).map(|next| Step::regular(next, Rgb::ONE))
+        self.fly(&ray, &direction).map(|next| Step::regular(next, Rgb::ONE.scaled(beam)))
     }
 
     /// Directions are drawn as eye walks draw them, by reciprocity.
@@ -210,9 +215,10 @@ impl TransitionPdf for LightTracing {
                 };
                 density * c.solid_angle
             }),
-            Place::Light(light) if (light as usize) < scene.lights.local.len() => {
-                scene.connection(&here, &there).map_or(0.0, |c| 0.25 * FRAC_1_PI * c.solid_angle)
-            }
+            Place::Light(light) if scene.lights.point(light).is_some() => scene.connection(&here, &there).map_or(0.0, |c| {
+                let density = scene.lights.point(light).map_or(0.0, |p| p.pdf(&c.direction));
+                density * c.solid_angle
+            }),
             Place::Light(_) | Place::Environment => {
                 scene.facets[primitive as usize].normal(&there).dot(&Vec3::from(z.from)).abs() / scene.births.disk()
             }

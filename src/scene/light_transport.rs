@@ -152,13 +152,12 @@ impl Inner {
     #[inline]
     fn visible(&self, x: &State, y: &State, direction: &Vec3) -> bool {
         let Place::Surface(primitive) = x.place else { return false };
-        let from = self.surface(primitive, x);
-        let ray = match y.place {
+        let aim = |from: &Surface| match y.place {
             Place::Surface(primitive) => from.segment_to(&self.surface(primitive, y)),
             Place::Light(light) if (light as usize) < self.lights.local.len() => from.segment_to_point(y.position),
             _ => from.spawn((*direction).into()),
         };
-        !self.geometry.occluded(&ray)
+        self.clear(aim(&self.surface(primitive, x)), direction, aim)
     }
 
     /// A point of a primitive with the rounding error of its position.
@@ -192,7 +191,10 @@ impl Source for Emission {
                 scene.materials[facet.material as usize].radiance(|| scene.texcoord(facet, x))
             }
             Place::Environment => scene.environment.as_ref().map_or(Rgb::ZERO, |e| e.radiance(x.outgoing.map(|c| -c))),
-            Place::Light(light) => scene.lights.punctual(light),
+            Place::Light(light) => {
+                let share = scene.lights.point(light).map_or(1.0, |p| p.share(&x.outgoing.into()));
+                scene.lights.punctual(light).scale(share)
+            }
             Place::Void => Rgb::ZERO,
         }
     }

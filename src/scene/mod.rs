@@ -9,6 +9,7 @@
 //! | [`Scene`] | surfaces with materials, and lights; [`Scene::light_transport`] is its equation |
 //! | [`LightTransport`], [`Emission`] | the kernel and the source: `Walk::mis()` on them *is* the path tracer |
 //! | [`LightTracing`], [`Photon`] | the adjoint kernel and its states: [`Forward::new`](crate::Forward::new) is the light tracer, [`Bidirectional`](crate::Bidirectional) both |
+//! | [`PhotonDensity`] | the density of forward walks on surfaces: biased by blur, and finds what nothing else does |
 //! | [`Camera`], [`Film`] | the detector: a cell is a pixel |
 //! | [`Image`] | the answer: an estimate for every pixel; PNG, EXR |
 //! | [`Material`], [`Bsdf`] | how surfaces scatter |
@@ -45,6 +46,7 @@ mod light_transport;
 pub mod load;
 mod material;
 mod photon;
+mod photon_density;
 mod picture;
 mod radiosity;
 pub mod shapes;
@@ -63,13 +65,14 @@ pub use light_transport::{Emission, LightTransport};
 pub use load::load;
 pub use material::{Bsdf, Material, MetallicRoughness, Scattered, Sides, Textures};
 pub use photon::Photon;
+pub use photon_density::{PhotonDensity, PhotonImage};
 pub use radiosity::{Patches, Radiosity};
 pub use state::{Place, State};
 pub use texture::Texture;
 
 use crate::value::Spectrum;
 use frame::Vec3;
-use geometry::{Geometry, Hit, Ray, Shape};
+use geometry::{Geometry, Hit, Ray, Shape, Surface};
 use light::{Births, Lights};
 use std::fmt;
 use std::sync::Arc;
@@ -92,6 +95,8 @@ struct Inner {
     lights: Lights,
     births: Births,
     environment: Option<Environment>,
+    /// whether any surface has holes
+    holes: bool,
 }
 
 /// No light, no detail.
@@ -164,11 +169,47 @@ impl Inner {
     /// What a ray of this unit direction meets, looking back along it.
     #[inline]
     fn trace(&self, ray: &Ray, direction: &Vec3) -> State {
-        match self.geometry.closest(ray) {
-            Some(hit) => self.state(ray, &hit, direction),
+        match self.meet(ray, direction) {
+            Some(state) => state,
             None if self.environment.is_some() => State::environment(direction),
             None => State::VOID,
         }
+    }
+
+    /// The first surface on a ray, past holes.
+    #[inline]
+    fn meet(&self, ray: &Ray, direction: &Vec3) -> Option<State> {
+        let mut state = self.state(ray, &self.geometry.closest(ray)?, direction);
+        while let Some(primitive) = self.hole(&state) {
+            let ray = self.surface(primitive, &state).spawn((*direction).into());
+            state = self.state(&ray, &self.geometry.closest(&ray)?, direction);
+        }
+        Some(state)
+    }
+
+    /// Whether nothing but holes is on a ray; `aim` sends it on from such a place.
+    #[inline]
+    fn clear(&self, mut ray: Ray, direction: &Vec3, aim: impl Fn(&Surface) -> Ray) -> bool {
+        if !self.holes {
+            return !self.geometry.occluded(&ray);
+        }
+        while let Some(hit) = self.geometry.closest(&ray) {
+            let state = self.state(&ray, &hit, direction);
+            let Some(primitive) = self.hole(&state) else { return false };
+            ray = aim(&self.surface(primitive, &state));
+        }
+        true
+    }
+
+    /// The primitive in whose hole x is, if it is in one.
+    #[inline]
+    fn hole(&self, x: &State) -> Option<u32> {
+        let Place::Surface(primitive) = x.place else { return None };
+        if !self.holes {
+            return None;
+        }
+        let facet = &self.facets[primitive as usize];
+        self.materials[facet.material as usize].is_hole(|| self.texcoord(facet, x)).then_some(primitive)
     }
 
     #[inline]
@@ -213,13 +254,14 @@ impl Scene {
 /// What there is, and what no walk in this scene will ever have to do.
 impl fmt::Display for Scene {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Inner { geometry, materials, lights, details, .. } = &*self.0;
+        let Inner { geometry, materials, lights, details, holes, .. } = &*self.0;
         let (local, remote) = (lights.local.len(), lights.remote.len());
         write!(f, "{} primitives, {} materials, {local} lights near and {remote} far", geometry.primitives(), materials.len())?;
         for (skipped, why) in [
             (local + remote == 0, "no light: the image is black"),
             (local + remote == 1, "one light: none is chosen"),
             (!materials.iter().any(Material::textured), "no texture is fetched"),
+            (!holes, "no alpha is tested"),
             (details.is_empty(), "all triangles are flat"),
             (materials.iter().all(Material::is_singular), "no diffuse surface: nothing is connected"),
             (geometry.degenerate() > 0, "triangles without area are never hit"),

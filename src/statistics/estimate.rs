@@ -1,5 +1,6 @@
 //! A value with an honest error.
 
+use super::tail::Suspicion;
 use super::{Moments, Tail};
 use crate::value::Value;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -167,6 +168,16 @@ impl<V: Value> Estimate<V> {
         (0..V::COMPONENTS).filter_map(|i| self.z_score_of(reference, i)).max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
+    /// Whether powers of the scores are lost below the range of floating point: the fourth where they vary, the square of a rounding error where they do not.
+    fn vanishes(&self) -> bool {
+        let m = &self.moments;
+        (0..V::COMPONENTS).any(|i| {
+            let (mean, m2, m4) = (m.mean.component(i).abs(), m.m2.component(i), m.m4.component(i));
+            let least = (f64::EPSILON * mean).powi(2);
+            (m2 > 0.0 && m4 < f64::MIN_POSITIVE) || (m2 < f64::MIN_POSITIVE && mean > 0.0 && least < f64::MIN_POSITIVE)
+        })
+    }
+
     /// What skewness, variance of the variance and tail index say (theory (4.16.1), (4.16.2), §5.2).
     pub fn verdict(&self) -> Verdict {
         if self.moments.nonzero == 0 && self.samples() > 0 {
@@ -178,17 +189,14 @@ impl<V: Value> Estimate<V> {
         }
         let n = self.samples() as f64;
         let m = &self.moments;
-        if ![m.mean, m.m2, m.m3, m.m4].iter().all(V::all_finite) {
-            return Verdict::Doubtful; // powers of the scores overflow: nothing is known about their spread
+        if ![m.mean, m.m2, m.m3, m.m4].iter().all(V::all_finite) || self.vanishes() {
+            return Verdict::Doubtful; // powers of the scores overflow or underflow: nothing is known about their spread
         }
-        if let Some((index, error)) = self.tail.as_ref().and_then(Tail::index) {
-            if index + 2.0 * error < 2.0 {
-                return Verdict::InfiniteVariance;
-            }
-            // the variance of the variance needs α > 4; it is trusted only where the index does not speak against it
-            if index - error < 2.0 {
-                return Verdict::Doubtful;
-            }
+        match self.tail.as_ref().map(Tail::suspicion) {
+            Some(Suspicion::Infinite) => return Verdict::InfiniteVariance,
+            // the variance of the variance needs α > 4; it is trusted only where the tail does not speak against it
+            Some(Suspicion::Possible) => return Verdict::Doubtful,
+            Some(Suspicion::None) | None => {}
         }
         let skew = self.moments.skewness().magnitude() / n.sqrt();
         if self.samples() < JUDGED || self.moments.variance_of_variance().magnitude() > 0.1 || skew > 0.3 {

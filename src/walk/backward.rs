@@ -41,7 +41,7 @@ where
     fn arrival<S: Sampler, O: Observer<K::Point, K::Weight>>(
         &mut self,
         at: At<'_, K::Point, K::Weight, S>,
-        arrival: Arrival<K::Point>,
+        arrival: Arrival<K::Point, K::Weight>,
         score: &mut G::Value,
         observer: &mut O,
     ) {

@@ -51,7 +51,7 @@ pub(super) trait Errand<K: Operator> {
     fn arrival<S: Sampler, O: Observer<K::Point, K::Weight>>(
         &mut self,
         at: At<'_, K::Point, Self::Load, S>,
-        arrival: Arrival<K::Point>,
+        arrival: Arrival<K::Point, Self::Load>,
         score: &mut Self::Score,
         observer: &mut O,
     );
@@ -274,7 +274,7 @@ fn arrive<K: Operator, A: Errand<K>, S: Sampler, O: Observer<K::Point, K::Weight
     let arrival = match step {
         None => Arrival::Start,
         Some(step) => {
-            let arrival = Arrival::Step { from: visit.point, pdf: step.raw_pdf() * visit.survival };
+            let arrival = Arrival::Step { from: visit.point, carried: visit.weight, pdf: step.raw_pdf() * visit.survival };
             visit.weight = A::carry(&visit.weight, *reciprocal, step.weight());
             visit.point = step.point();
             arrival

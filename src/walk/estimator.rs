@@ -39,7 +39,7 @@ where
         E: Ending<K>,
         Q: Sequence,
     {
-        walk.prepare(self.equation(), self.detector())?;
+        let bound = WalkEstimator::bind(self, walk)?;
         if let Some(depth) = walk.ending.cut() {
             return Err(Error::invalid(
                 "depth",
@@ -47,8 +47,24 @@ where
                 "a walk cut at a fixed depth is no unbiased estimator: use `Debias` with `Depths`",
             ));
         }
-        let walk = walk.sequence(Pcg::default());
-        Ok(WalkEstimator { equation: self.equation(), detector: self.detector(), walk })
+        Ok(bound)
+    }
+}
+
+impl<'a, G, K, D, C, E> WalkEstimator<'a, G, K, D, C, E>
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    D: Detector<Point = G::Point>,
+{
+    /// Biased, if the walk is cut.
+    pub(super) fn bind<Q: Sequence>(query: &'a Query<'_, G, K, D>, walk: &Walk<C, E, Q>) -> Result<Self, Error> {
+        let (equation, detector) = (query.equation(), query.detector());
+        walk.prepare(equation, detector)?;
+        Ok(WalkEstimator { equation, detector, walk: walk.sequence(Pcg::default()) })
     }
 }
 

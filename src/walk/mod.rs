@@ -37,7 +37,7 @@ pub use order::Sort;
 pub use profile::{Basis, Expansion, Histogram, KernelTally, Plan, PlanOf, Profiling, Smoothed, SmoothingKernels, Tally};
 pub use rounds::{Round, Rounds};
 pub use run::Checkpoint;
-pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, Scoring, Technique, Visit};
+pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, OptimalMis, Scoring, Technique, Visit};
 
 use crate::detector::Detector;
 use crate::equation::{Equation, Method, Query};
@@ -172,6 +172,11 @@ impl<C, E, Q> Walk<C, E, Q> {
     {
         let Walk { ending, sequence, samples, max_steps, divergence, .. } = *self;
         Walk { scoring, ending, sequence, samples, max_steps, divergence }
+    }
+
+    /// What is scored.
+    pub(crate) fn scores_by(&self) -> &C {
+        &self.scoring
     }
 
     /// How walks end.

@@ -239,6 +239,28 @@ fn weighted_strategies_add_up_to_the_matrix_element() {
     }
 }
 
+/// Controls have the mean 0, whatever a pilot makes of them.
+#[test]
+fn optimal_weights_add_up_to_the_matrix_element() {
+    for mirror in [0.0, 0.8] {
+        let chain = Chain::new(mirror);
+        let eq = Equation::new(Ends, chain);
+        for m in 0..=2 {
+            let truth = element(H, |i, j| chain.total(i, j), G, m as usize);
+            for heuristic in [Heuristic::Balance, Heuristic::Maximum] {
+                let walks = Bidirectional::new().endings(Certain(1), Certain(2)).heuristic(heuristic).strategies(Strategies::Order(m));
+                let query = eq.seen_by(&Ends);
+                let found = mean(&query.bidirectional(&walks.optimal(256)).unwrap(), m as usize);
+                assert!((found - truth).abs() < 1e-12, "mirror {mirror}, {heuristic:?}, order {m}: {found} against {truth}");
+            }
+        }
+        let walks = Bidirectional::new().endings(Certain(1), Certain(2)).strategies(Strategies::Order(2)).optimal(256);
+        let (found, truth) =
+            (mean(&eq.at(0usize).bidirectional(&walks).unwrap(), 2), element([1.0, 0.0, 0.0], |i, j| chain.total(i, j), G, 2));
+        assert!((found - truth).abs() < 1e-12, "mirror {mirror}, at a point: {found} against {truth}");
+    }
+}
+
 /// Three edges: one weight each suffices, the enumeration is long.
 #[test]
 fn weighted_strategies_of_three_edges() {

@@ -3,6 +3,7 @@
 use crate::common::{Budget, Reference, all_pass};
 use crate::{erased, stated};
 use fredholm::detector::{At, Bins, Functional};
+use fredholm::deterministic::Nystrom;
 use fredholm::deterministic::quadrature::composite_unit_rule;
 use fredholm::domain::Interval;
 use fredholm::estimator::{Combination, Metropolis, OneCell};
@@ -76,7 +77,7 @@ fn strategies_of_every_order_agree() {
     all_pass(results);
 }
 
-/// Second moments of strategies alone by quadrature: E C²_{s,t} = ⟨h²/p₀, K₂^{t−1} K² K*₂^{s−1} g²/q₀⟩, K₂ = K²/π (theory (4.1.6)), against those of pairs.
+/// Variances of strategies alone by quadrature (theory (4.7.4)) against those of pairs: of a functional, and of f at a point.
 #[test]
 fn variances_of_strategies_are_predicted_by_quadrature() {
     let mut budget = Budget::of("bidirectional::variances");
@@ -84,35 +85,30 @@ fn variances_of_strategies_are_predicted_by_quadrature() {
     let (g, h, k) = (|x: f64| 1.0 + x * x, |x: f64| 0.5 + x, |x: f64, y: f64| 0.7 * (-x * y * y).exp() * (1.0 + x - y));
     let eq = erased!((0.0, 1.0), g, k);
     let detector = Functional::new(Interval::from(0.0..=1.0), move |x: &f64| h(*x));
-    let p = 0.8;
-    let walks = Bidirectional::new().roulette(Roulette::constant(p)).samples_per_cell(1 << 17).seed(4);
-    let table = eq.seen_by(&detector).strategies(&walks, 0, 2).unwrap();
-    let nodes = composite_unit_rule(4, 8);
-    let integral = |f: &dyn Fn(usize) -> f64| (0..nodes.len()).map(|i| nodes[i].weight * f(i)).sum::<f64>();
-    let square = |i: usize, j: usize| k(nodes[i].point, nodes[j].point).powi(2);
-    for strategy in &table {
-        // a is carried from the detector, b from the source; uniform steps: π = p
-        let mut a: Vec<f64> = nodes.iter().map(|n| h(n.point).powi(2)).collect();
-        let mut b: Vec<f64> = nodes.iter().map(|n| g(n.point).powi(2)).collect();
-        for _ in 1..strategy.t {
-            a = (0..a.len()).map(|j| integral(&|i| a[i] * square(i, j) / p)).collect();
+    let walks = Bidirectional::new().roulette(Roulette::constant(0.8)).samples_per_cell(1 << 17).seed(4);
+    let (rule, exact) = (Nystrom::composite(4, 8), elements(&eq, h, 2));
+    let (inside, at) = (eq.seen_by(&detector), eq.at(0.3));
+    let inside = (inside.predict_strategies(&walks, 0, 2, &rule).unwrap(), inside.strategies(&walks, 0, 2).unwrap());
+    let at = (at.predict_strategies(&walks, 0, 2, &rule).unwrap(), at.strategies(&walks, 0, 2).unwrap());
+    for (p, m) in inside.0.iter().zip(&inside.1).chain(at.0.iter().zip(&at.1)) {
+        assert_eq!((p.s, p.t), (m.s, m.t));
+        let (m, what) = (&m.alone, format!("s = {}, t = {}", p.s, p.t));
+        if m.nonzero == 0 {
+            assert!(p.t == 0 && p.variance.is_infinite(), "{what}");
+            continue;
         }
-        for _ in 1..strategy.s {
-            b = (0..b.len()).map(|i| integral(&|j| square(i, j) / p * b[j])).collect();
+        let (n, variance) = (m.count as f64, m.variance().unwrap());
+        if variance == 0.0 {
+            assert!(p.variance == 0.0 && (m.mean - p.mean).abs() < 1e-12, "{what}");
+            continue;
         }
-        let predicted = match (strategy.s, strategy.t) {
-            (0, _) => integral(&|i| a[i] * g(nodes[i].point).powi(2)),
-            (_, 0) => integral(&|i| h(nodes[i].point).powi(2) * b[i]),
-            _ => integral(&|i| a[i] * integral(&|j| square(i, j) * b[j])),
-        };
-        let m = &strategy.alone;
-        let n = m.count as f64;
-        let variance = m.variance().unwrap();
         let error = ((m.m4 / n - (m.m2 / n).powi(2)) / n).sqrt();
-        let (what, predicted) =
-            (format!("s = {}, t = {}", strategy.s, strategy.t), predicted - elements(&eq, h, 2)[strategy.order() as usize].powi(2));
-        results.push(budget.mean(&what, (variance, error, n), predicted, 0.3 * predicted));
+        results.push(budget.mean(&what, (variance, error, n), p.variance, 0.3 * p.variance));
     }
+    assert!(inside.0.iter().all(|p| (p.mean - exact[(p.s + p.t) as usize - 1]).abs() < 1e-9));
+    // roulette by throughput is not a function of the place
+    let refused = eq.at(0.3).predict_strategies(&Bidirectional::new(), 0, 2, &rule);
+    assert!(matches!(refused, Err(Error::Invalid { parameter: "ending", .. })), "{refused:?}");
     all_pass(results);
 }
 
@@ -156,7 +152,7 @@ fn systems_with_matrix_weights() {
     // f = (1, x) + ∫ K f with K = [[0.3, 0.5 x], [0.1 y, 0.2]]: by Nyström
     let k = |x: f64, y: f64| GroupMatrix([[0.3, 0.5 * x], [0.1 * y, 0.2]]);
     let eq = Equation::on_interval(0.0..=1.0, |x| Spectrum([1.0, x]), k);
-    let exact = eq.solve(&fredholm::deterministic::Nystrom::gauss_legendre(16)).unwrap();
+    let exact = eq.solve(&Nystrom::gauss_legendre(16)).unwrap();
     for heuristic in [Heuristic::Balance, Heuristic::Maximum] {
         let walks = Bidirectional::new().heuristic(heuristic);
         let e = sized(&budget, 0.02, |n, seed| solve(&eq, &At(0.7), walks, (n, seed)));
@@ -262,6 +258,8 @@ fn refusals() {
     invalid(q.solve(&Bidirectional::new().roulette(Roulette::constant(0.0))), "roulette survival probability");
     invalid(q.solve(&Bidirectional::new().endings(fredholm::walk::FixedDepth(3), Roulette::constant(0.5))), "depth");
     assert!(matches!(q.solve(&Bidirectional::new().roulette(Roulette::constant(1.0))), Err(Error::NeverEnds)));
+    let points = Bidirectional::new().sequence(Sobol::new(1).replicates(8));
+    assert!(matches!(q.strategies(&points, 0, 2), Err(Error::Invalid { parameter: "replicates", .. })));
     assert!(matches!(q.strategies(&Bidirectional::new(), 1, 2), Err(Error::Invalid { parameter: "cell", .. })));
     let divergent = erased!((0.0, 1.0), |_| 1.0, |_: f64, _: f64| 1.5);
     assert!(matches!(divergent.at(0.5).solve(&Bidirectional::new()), Err(Error::Divergent { .. })));

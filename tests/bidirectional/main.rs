@@ -8,6 +8,7 @@ mod debias;
 mod exact;
 mod joined;
 mod metropolis;
+mod optimal;
 
 use fredholm::{Equation, Estimate, IntervalEquation};
 use std::sync::Arc;

@@ -101,7 +101,22 @@ fn chains_stay_where_the_target_is() {
     assert!(m.cells[0].agrees_with(truth, 6.0) && m.cells[1].agrees_with(2.0 * truth, 6.0), "{} {}", m.cells[0], m.cells[1]);
     let scored = |e: &Estimate| e.moments.nonzero as f64 / e.moments.count as f64;
     assert!(scored(&m.cells[0]) + scored(&m.cells[1]) > 0.3);
-    assert!(m.acceptance > 0.4 && m.large_acceptance < 0.01, "{} {}", m.acceptance, m.large_acceptance);
+    let (small, large) = (m.acceptance.unwrap(), m.large_acceptance.unwrap());
+    assert!(small > 0.4 && large < 0.01, "{small} {large}");
+}
+
+/// Pools are paid for: by the normalisation alone, and by every cell. No small steps have no acceptance.
+#[test]
+fn what_pools_cost_is_counted() {
+    for (large_steps, pools) in [(LargeSteps::Proposals, 1), (LargeSteps::Combined, 2)] {
+        let m = Metropolis::new().pool(100).mutations(50).large_steps(large_steps).large_step_probability(1.0);
+        let m = m.solve(&cells()).unwrap();
+        assert_eq!(m.normalisation.evaluations, 3200);
+        // every chain's start is walked once more
+        assert_eq!(m.cells[0].evaluations, 32 * (pools * 100 + 1 + 50));
+        assert_eq!(m.acceptance, None);
+        assert!(m.large_acceptance.unwrap() > 0.0);
+    }
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Curves from forward walks: unbiased where they say so, biased as they say, and bands that hold for the whole curve.
 
-use crate::common::{Budget, Reference, all_pass};
+use crate::common::{Budget, Reference, all_pass, slope};
 use fredholm::deterministic::Nystrom;
-use fredholm::statistics::{Bias, Profile, Verdict};
+use fredholm::statistics::{Bias, Moments, Profile, Verdict};
 use fredholm::transport::Slab;
 use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed};
 use fredholm::{Equation, Forward};
@@ -114,6 +114,29 @@ fn smoothing_errs_by_its_square() {
     assert!((width(1 << 7) / width(1 << 12) - 2.0).abs() < 1e-12);
 }
 
+/// With b ∝ n^(−1/5) the bias is c b²/5 ∝ n^(−2/5) and the mean square error falls as n^(−4/5) (theory (4.6.4)).
+#[test]
+fn smoothing_converges_at_its_rate() {
+    let mut budget = Budget::of("forward::smoothing rate");
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, _: f64| 0.5 * x * x);
+    let c = 0.6;
+    let (mut results, mut sizes) = (Vec::new(), Vec::new());
+    for (log, repetitions) in [(8, 800), (11, 800), (14, 400), (17, 200)] {
+        let n = 1u64 << log;
+        let error = |seed| {
+            let at = Smoothed::at(0.0..=1.0, &[0.5]).shrinking(1.5);
+            eq.solve(&Forward::new().walks(n).seed(seed).profile(at).batches(2)).unwrap().values()[0] - (1.0 + 0.25 * c)
+        };
+        let errors: Vec<f64> = (0..repetitions).map(error).collect();
+        let (b, m) = (1.5 * (n as f64).powf(-0.2), Moments::from_scores(&errors));
+        let bias = c * b * b / 5.0;
+        results.push(budget.mean(&format!("bias, n = {n}"), (m.mean, m.std_error().unwrap(), m.count as f64 - 1.0), bias, bias));
+        sizes.push((n as f64, errors));
+    }
+    results.push(budget.mean("slope of the rms error", slope(&sizes), -0.4, 0.09));
+    all_pass(results);
+}
+
 /// Coefficients against quadrature of the deterministic solution; what is cut off is measured.
 #[test]
 fn expansions() {
@@ -147,6 +170,13 @@ fn singular_kernels_are_found_out() {
     assert!(f.to_string().contains("infinite variance"));
     let means = eq.solve(&walks.profile(Histogram::new(0.0..=1.0, 4))).unwrap();
     assert_eq!(means.verdict(), Verdict::Trustworthy, "{means}");
+}
+
+/// More cells than tails are kept for: an infinite variance would not be seen, and no verdict is better than doubtful.
+#[test]
+fn what_has_no_tail_is_doubtful() {
+    let verdict = |count| straight!().solve(&Forward::new().walks(1 << 12).profile(KernelTally::at(&points(count)))).unwrap().verdict();
+    assert_eq!((verdict(1024), verdict(1025)), (Verdict::Trustworthy, Verdict::Doubtful));
 }
 
 /// Means of a g with a singular end or a jump are right to what the profile says; one without a mean has no band. K = 0: no walk adds to them.

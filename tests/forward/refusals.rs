@@ -62,6 +62,9 @@ fn settings_out_of_range() {
     refused(eq.solve(&walks.profile(Smoothed::at(0.0..=1.0, &[0.5]).shrinking(-1.0))).map(drop), "bandwidth factor = -");
     refused(eq.solve(&walks.profile(Smoothed::at(1.0..=0.0, &[0.5]))).map(drop), "interval end = 0");
     refused(eq.solve(&walks.profile(Expansion::legendre(0.0..=1.0, 0, &[0.5]))).map(drop), "terms = 0");
+    let many = Expansion::legendre(0.0..=1.0, usize::MAX, &[0.5]);
+    assert!(many.missed(|x| x).0.is_nan());
+    refused(eq.solve(&walks.profile(many)).map(drop), "must be at most 4096");
     refused(eq.solve(&walks.profile(Histogram::new(0.0..=1.0, 0))).map(drop), "bins = 0");
     refused(eq.solve(&walks.profile(KernelTally::at(&[]))).map(drop), "cells = 0");
     refused(eq.solve(&walks.profile(KernelTally::at(&[0.5])).batches(0)).map(drop), "batches = 0");

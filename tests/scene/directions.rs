@@ -7,9 +7,12 @@
 use crate::common::Budget;
 use crate::{AnyMethod, solve};
 use fredholm::estimator::Metropolis;
-use fredholm::scene::{Attributes, Camera, Environment, Film, Filter, Material, Scene, SceneBuilder, Sides, geometry::Mesh, shapes};
+use fredholm::scene::{
+    Attributes, Camera, Environment, Film, Filter, Material, Scene, SceneBuilder, Sides, Texture, geometry::Mesh, shapes,
+};
 use fredholm::walk::{Heuristic, Roulette};
-use fredholm::{Bidirectional, Error, Forward, Walk};
+use fredholm::{Bidirectional, Error, Forward, Spectrum, Walk};
+use std::sync::Arc;
 
 const SQUARE: [[f64; 3]; 2] = [[0.6, 0.0, 0.0], [0.0, 0.0, 0.6]];
 
@@ -39,6 +42,32 @@ fn smooth(scene: &mut SceneBuilder, material: Material) {
     scene.smooth_mesh(Mesh::new(vertices, faces).unwrap(), material, Attributes { normals, texcoords: Vec::new() }).unwrap();
 }
 
+/// A shelf under the lamp whose first half is a hole.
+fn shelf(scene: &mut SceneBuilder) {
+    let mask = Texture::new(2, 1, vec![Spectrum([0.0; 3]), Spectrum([1.0; 3])]).unwrap();
+    let material = scene.material(Material::diffuse([0.7; 3]).cut_out(Arc::new(mask), 0.5));
+    let texcoords = vec![[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
+    let sheet = shapes::parallelogram([-0.5, 0.3, -0.5], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).unwrap();
+    scene.smooth_mesh(sheet, material, Attributes { normals: Vec::new(), texcoords }).unwrap();
+}
+
+#[test]
+fn light_passes_holes() {
+    let scene = room(shelf);
+    let height = |x: f64| scene.look([x, 0.0, 0.1], [0.0, 1.0, 0.0]).position()[1];
+    assert!((height(-0.4) - 0.95).abs() < 1e-12 || (height(-0.4) - 1.0).abs() < 1e-12, "{}", height(-0.4));
+    assert!((height(0.4) - 0.3).abs() < 1e-12, "{}", height(0.4));
+    // as if only the other half were there
+    let half = room(|s| {
+        let material = s.material(Material::diffuse([0.7; 3]));
+        s.mesh(shapes::parallelogram([0.0, 0.3, -0.5], [0.0, 0.0, 1.0], [0.5, 0.0, 0.0]).unwrap(), material).unwrap();
+    });
+    let walk: AnyMethod = Box::new(Walk::mis().samples_per_cell(1 << 12));
+    let [cut, whole] = [&scene, &half].map(|s| solve(&s.light_transport(), &s.film(camera(), 4, 4), &walk));
+    // the same walks, up to the rounding of barycentric coordinates
+    assert!(cut.pixels().iter().zip(whole.pixels()).all(|(a, b)| (a.value[0] / b.value[0] - 1.0).abs() < 0.05));
+}
+
 fn outdoors() -> Scene {
     let mut scene = Scene::builder();
     let stone = scene.material(Material::diffuse([0.6, 0.5, 0.3]));
@@ -48,6 +77,7 @@ fn outdoors() -> Scene {
     scene.environment(Environment::map(8, 4, texels).unwrap());
     scene.directional_light([0.3, -1.0, 0.2], [2.0; 3]).unwrap();
     scene.point_light([0.8, 0.5, 0.8], [0.5; 3]).unwrap();
+    scene.spot_light([-0.9, 1.0, 0.4], [0.6, -1.0, -0.3], [2.0; 3], [20.0, 50.0]).unwrap();
     scene.build().unwrap()
 }
 
@@ -139,6 +169,7 @@ fn images_agree() {
         ("metal", room(|s| ball(s, Material::metal([0.9, 0.7, 0.3], 0.4))), true),
         ("interpolated normals", room(|s| smooth(s, Material::metallic_roughness([0.9, 0.7, 0.3], 0.3, 0.5))), true),
         ("outdoors", outdoors(), true),
+        ("holes", room(shelf), true),
     ];
     let mut wrong = Vec::new();
     for (what, scene, sees) in &cases {

@@ -76,6 +76,27 @@ fn what_is_not_used_is_reported() {
     assert_eq!(entries, [("blended alpha: the material is opaque", 1), ("extension KHR_materials_sheen", 1)]);
 }
 
+/// Spot lights become lights, masks holes.
+#[test]
+fn beams_and_masks_are_used() {
+    let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
+    let masked = text.replace("\"doubleSided\"", "\"alphaMode\": \"MASK\", \"alphaCutoff\": 2.0, \"doubleSided\"");
+    let loaded = gltf(masked.as_bytes(), ".").unwrap();
+    assert!(loaded.report.is_empty(), "{}", loaded.report);
+    let camera = loaded.cameras[0].0;
+    let scene = loaded.builder.build().unwrap();
+    let image = scene.light_transport().seen_by(&scene.film(camera, 2, 2)).solve(&Walk::mis().samples_per_cell(4)).unwrap();
+    assert!(image.pixels().iter().all(|p| p.value.0 == [0.0; 3]), "all of it is a hole");
+    let spot = r#""extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {"outerConeAngle": 0.5}}]}}, "nodes""#;
+    let (head, nodes) = text.rsplit_once("\"nodes\"").unwrap();
+    let lit = [head, spot, nodes].concat();
+    let lit = lit.replacen("\"mesh\": 0", "\"mesh\": 0, \"extensions\": {\"KHR_lights_punctual\": {\"light\": 0}}", 1);
+    let lit = lit.replacen("\"extensionsUsed\": [", "\"extensionsUsed\": [\"KHR_lights_punctual\", ", 1);
+    let loaded = gltf(lit.as_bytes(), ".").unwrap();
+    assert!(loaded.report.is_empty(), "{}", loaded.report);
+    assert!(loaded.builder.build().unwrap().to_string().contains("5 lights near"));
+}
+
 #[test]
 fn wavefront_files_load() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));

@@ -69,6 +69,14 @@ fn images_are_written_and_read() {
     let sky = Environment::read_exr(folder.join("sky.exr")).unwrap();
     assert_eq!(sky.radiance([0.9, 0.0, -0.1]), Spectrum([1.0; 3]));
     assert_eq!(sky.radiance([-0.9, 0.0, -0.1]), Spectrum([0.0; 3]));
+    // two pixels of shared exponents: 1 and 8 times (½, ¼, 0)
+    let mut radiance = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n".to_vec();
+    radiance.extend([128, 64, 0, 128, 128, 64, 0, 131]);
+    std::fs::write(folder.join("sky.hdr"), radiance).unwrap();
+    let sky = Environment::read_hdr(folder.join("sky.hdr")).unwrap();
+    assert_eq!([-0.9, 0.9].map(|x| sky.radiance([x, 0.0, -0.1])), [Spectrum([0.5, 0.25, 0.0]), Spectrum([4.0, 2.0, 0.0])]);
+    std::fs::write(folder.join("bad.hdr"), b"#?RADIANCE\n\n-Y 1000000 +X 1000000\n").unwrap();
+    assert!(matches!(Environment::read_hdr(folder.join("bad.hdr")), Err(Error::Io { .. })));
     assert!(matches!(image.write_png("/nowhere/x.png"), Err(Error::Io { .. })));
     assert!(matches!(Environment::read_exr("/nowhere/x.exr"), Err(Error::Io { .. })));
 }

@@ -65,8 +65,29 @@ pub(super) struct Outcome<V> {
     pub(super) small: (u64, u64),
     /// Fresh points proposed and accepted.
     pub(super) large: (u64, u64),
+    /// Of the pool, which the start is from.
+    pub(super) before: Spent,
+    /// Of the mutations.
+    pub(super) after: Spent,
+}
+
+/// Steps and evaluations.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spent {
     pub(super) steps: u64,
     pub(super) evaluations: u64,
+}
+
+impl Spent {
+    pub(super) fn add(&mut self, (steps, evaluations): (u64, u64)) {
+        self.steps += steps;
+        self.evaluations += evaluations;
+    }
+
+    pub(super) fn and(mut self, other: Spent) -> Spent {
+        self.add((other.steps, other.evaluations));
+        self
+    }
 }
 
 impl<V> Outcome<V> {
@@ -123,34 +144,37 @@ impl Setting {
         Pcg::new(self.seed).point(chain, purpose, index)
     }
 
-    /// β: the mean of C over points of their own, as many as a chain's pool.
-    pub(super) fn scale<T: Tally>(&self, tally: &T, chains: u64) -> Result<f64, Error> {
+    /// β, the mean of C over points of their own, as many as all pools have; and what that cost.
+    pub(super) fn scale<T: Tally>(&self, tally: &T, chains: u64) -> Result<(f64, Spent), Error> {
         let pools = parallel::map(chains as usize, |c| self.pool(tally, SCALE, c as u64, &mut (State::default(), T::Scratch::default())));
-        let pools = pools.into_iter().collect::<Result<Vec<Vec<f64>>, Error>>()?.concat();
-        let mean = Moments::from_scores(&pools).mean;
+        let pools = pools.into_iter().collect::<Result<Vec<_>, Error>>()?;
+        let spent = pools.iter().fold(Spent::default(), |sum, pool| sum.and(pool.1));
+        let mean = Moments::from_scores(&pools.into_iter().flat_map(|pool| pool.0).collect::<Vec<_>>()).mean;
         // any positive number keeps the result unbiased
-        Ok(if mean > 0.0 { mean } else { 1.0 })
+        Ok((if mean > 0.0 { mean } else { 1.0 }, spent))
     }
 
-    /// C at the independent points of one pool.
+    /// C at the independent points of one pool, and what they cost.
     fn pool<T: Tally>(
         &self,
         tally: &T,
         purpose: u32,
         chain: u64,
         (state, scratch): &mut (State<T::Value>, T::Scratch),
-    ) -> Result<Vec<f64>, Error> {
+    ) -> Result<(Vec<f64>, Spent), Error> {
+        let mut spent = Spent::default();
         let one = |i| {
-            state.visit(tally, Mutation::Large, &mut self.stream(purpose, chain, i), scratch)?;
+            spent.add(state.visit(tally, Mutation::Large, &mut self.stream(purpose, chain, i), scratch)?);
             Ok(state.target)
         };
-        (0..self.pool).map(one).collect()
+        let targets = (0..self.pool).map(one).collect::<Result<_, Error>>()?;
+        Ok((targets, spent))
     }
 
     /// Chain number `chain`.
     pub(super) fn chain<T: Tally>(&self, tally: &T, chain: u64) -> Result<Outcome<T::Value>, Error> {
         let mut memory = (State::default(), T::Scratch::default());
-        let pool = self.pool(tally, POOLS, chain, &mut memory)?;
+        let (pool, before) = self.pool(tally, POOLS, chain, &mut memory)?;
         let (mut current, mut scratch) = memory;
         let mut rng = self.stream(CHAINS, chain, 0);
         let sums = Sums { nonzero: 0, powers: [T::Value::ZERO; 4] };
@@ -159,13 +183,13 @@ impl Setting {
             cells: vec![sums; tally.cells()],
             small: (0, 0),
             large: (0, 0),
-            steps: 0,
-            evaluations: self.pool,
+            before,
+            after: Spent::default(),
         };
         let total: f64 = pool.iter().sum();
         match chosen(&pool, rng.next_1d() * total) {
             Some(start) => {
-                current.visit(tally, Mutation::Large, &mut self.stream(POOLS, chain, start as u64), &mut scratch)?;
+                out.after.add(current.visit(tally, Mutation::Large, &mut self.stream(POOLS, chain, start as u64), &mut scratch)?);
             }
             None => current.target = 0.0,
         }
@@ -195,9 +219,7 @@ impl Setting {
                 continue;
             }
             let mutation = if large { Mutation::Large } else { Mutation::Small { current: &current.point, steps: self.steps } };
-            let (steps, evaluations) = proposed.visit(tally, mutation, rng, scratch)?;
-            out.steps += steps;
-            out.evaluations += evaluations;
+            out.after.add(proposed.visit(tally, mutation, rng, scratch)?);
             let a = if current.target > 0.0 { (proposed.target / current.target).min(1.0) } else { 0.0 };
             if a < 1.0 && current.target > 0.0 {
                 record(out, current, weight(current.target, 1.0 - a, 0.0));

@@ -34,7 +34,7 @@ use crate::error::Error;
 use crate::parallel;
 use crate::statistics::{Estimate, Moments, Pooled};
 use crate::value::Value;
-use chain::{Outcome, Setting};
+use chain::{Outcome, Setting, Spent};
 use std::time::{Duration, Instant};
 
 /// What fresh points are used for.
@@ -56,7 +56,7 @@ pub enum LargeSteps {
 /// let query = eq.seen_by(&bins);
 /// let found = Metropolis::new().mutations(2048).solve(&query.estimator(&Walk::next_event())?)?;
 /// assert_eq!(found.cells.len(), 16);
-/// assert!(found.acceptance > 0.1);
+/// assert!(found.acceptance.unwrap() > 0.1);
 /// # Ok::<(), fredholm::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,12 +78,12 @@ pub struct Chains<V = f64> {
     /// One estimate a cell, its error from independent chains. Its moments are those of single tallies, which are correlated: `variance()/std_error²` is the
     /// effective number of samples.
     pub cells: Vec<Estimate<V>>,
-    /// b = ∫ C, from the pools of independent points.
+    /// b = ∫ C, from the pools of independent points. What they cost is part of the cells' cost: of their steps, evaluations and efficiency.
     pub normalisation: Estimate<f64>,
-    /// Share of small steps that were accepted.
-    pub acceptance: f64,
-    /// Share of fresh points that were accepted.
-    pub large_acceptance: f64,
+    /// Share of small steps that were accepted; `None` if there were none.
+    pub acceptance: Option<f64>,
+    /// Share of fresh points that were accepted; `None` if there were none.
+    pub large_acceptance: Option<f64>,
 }
 
 impl Metropolis {
@@ -145,9 +145,9 @@ impl Metropolis {
         self.validate(tally.cells())?;
         let setting =
             Setting { seed: self.seed, mutations: self.mutations, pool: self.pool, large: self.large, steps: self.steps, scale: None };
-        let scale = match self.large_steps {
-            LargeSteps::Proposals => None,
-            LargeSteps::Combined => Some(setting.scale(tally, self.chains)?),
+        let (scale, scaling) = match self.large_steps {
+            LargeSteps::Proposals => (None, Spent::default()),
+            LargeSteps::Combined => setting.scale(tally, self.chains).map(|(scale, spent)| (Some(scale), spent))?,
         };
         let setting = Setting { scale, ..setting };
         let outcomes = parallel::map(self.chains as usize, |c| setting.chain(tally, c as u64));
@@ -156,16 +156,21 @@ impl Metropolis {
         if pools.moments.nonzero == 0 {
             return Err(Error::ZeroTarget { samples: self.chains * self.pool });
         }
-        let cost = Cost { steps: sum(&outcomes, |o| o.steps), evaluations: sum(&outcomes, |o| o.evaluations), elapsed: clock.elapsed() };
+        let elapsed = clock.elapsed();
+        let pooling = outcomes.iter().fold(Spent::default(), |sum, o| sum.and(o.before));
+        let spent = outcomes.iter().fold(pooling.and(scaling), |sum, o| sum.and(o.after));
+        let cost = Cost { spent, elapsed };
         let cell = |j: usize| {
             let chains: Vec<Moments<T::Value>> = outcomes.iter().map(|o| o.cells[j].moments(2 * self.mutations)).collect();
             cost.estimate(Pooled::randomised(&chains))
         };
-        let share =
-            |count: fn(&Outcome<T::Value>) -> (u64, u64)| sum(&outcomes, |o| count(o).1) as f64 / sum(&outcomes, |o| count(o).0) as f64;
+        let share = |count: fn(&Outcome<T::Value>) -> (u64, u64)| {
+            let (proposed, accepted) = outcomes.iter().map(count).fold((0, 0), |(a, b), (p, q)| (a + p, b + q));
+            (proposed > 0).then(|| accepted as f64 / proposed as f64)
+        };
         Ok(Chains {
             cells: (0..tally.cells()).map(cell).collect(),
-            normalisation: Cost { steps: 0, evaluations: self.chains * self.pool, ..cost }.estimate(pools),
+            normalisation: Cost { spent: pooling, elapsed }.estimate(pools),
             acceptance: share(|o| o.small),
             large_acceptance: share(|o| o.large),
         })
@@ -209,22 +214,17 @@ impl Default for Metropolis {
 /// What all chains cost together.
 #[derive(Clone, Copy)]
 struct Cost {
-    steps: u64,
-    evaluations: u64,
+    spent: Spent,
     elapsed: Duration,
 }
 
 impl Cost {
     fn estimate<V: Value>(self, pooled: Pooled<V>) -> Estimate<V> {
         let Pooled { moments, std_error, degrees_of_freedom } = pooled;
-        let Cost { steps, evaluations, elapsed } = self;
+        let Cost { spent: Spent { steps, evaluations }, elapsed } = self;
         let value = moments.mean;
         Estimate { value, std_error, degrees_of_freedom, moments, tail: None, steps, evaluations, truncation: None, elapsed }
     }
-}
-
-fn sum<V>(outcomes: &[Outcome<V>], part: impl Fn(&Outcome<V>) -> u64) -> u64 {
-    outcomes.iter().map(part).sum()
 }
 
 fn pooled<'a>(pools: impl Iterator<Item = &'a Moments<f64>>) -> Pooled<f64> {

@@ -93,8 +93,9 @@ impl Binary {
         // the root of the part is here already
         let shift = self.branches.len() - 1;
         let moved = |b: &Branch| Branch { first: b.first + if b.is_item { range.start } else { shift } as u32, ..*b };
-        self.branches[range.branch] = moved(&part.branches[0]);
-        self.branches.extend(part.branches[1..].iter().map(moved));
+        let mut branches = part.branches.iter().map(moved);
+        self.branches[range.branch] = branches.next().expect("a root");
+        self.branches.extend(branches);
     }
 
     /// Gives a branch two children.

@@ -1,7 +1,7 @@
 //! Where light starts: a light chosen by power, a point or direction of it.
 //!
 //! ```text
-//! Φ = π A ⟨Lₑ⟩ for a surface,   4π I for a point,   πR² E and πR² ∫ L dω for light from outside, R the radius of a ball around the scene
+//! Φ = π A ⟨Lₑ⟩ for a surface,   I Ω for a point with a beam of solid angle Ω,   πR² E and πR² ∫ L dω for light from outside, R the radius of a ball around the scene
 //! ```
 //!
 //! A photon starts with the power Φ/q, q the density of its start: then scattering multiplies it by albedos, and roulette by throughput means the same
@@ -111,7 +111,7 @@ impl Local {
                 let position = s.centre + Vec3::from(UniformSphere.sample([u, v])) * s.radius;
                 (State { place: Place::Surface(*primitive), position: position.into(), ..State::VOID }, self.area())
             }
-            Local::Point(position, _) => (State { place: Place::Light(light), position: (*position).into(), ..State::VOID }, 1.0),
+            Local::Point(p) => (State { place: Place::Light(light), position: p.position.into(), ..State::VOID }, 1.0),
         }
     }
 

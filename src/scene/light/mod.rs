@@ -6,12 +6,14 @@
 
 mod births;
 mod environment;
+mod point;
 mod sphere;
 mod tree;
 mod triangle;
 
 pub(crate) use births::Births;
 pub use environment::Environment;
+pub(crate) use point::PointLight;
 pub(crate) use sphere::SphereLight;
 pub(crate) use triangle::TriangleLight;
 
@@ -29,8 +31,7 @@ use tree::{LightBounds, LightTree};
 pub(crate) enum Local {
     Triangle(u32, TriangleLight),
     Sphere(u32, SphereLight),
-    /// Intensity, the same in all directions.
-    Point(Vec3, Rgb),
+    Point(PointLight),
 }
 
 /// A light infinitely far away.
@@ -114,11 +115,19 @@ impl Lights {
         self.share * within
     }
 
-    /// What a light without extent emits towards whoever sees it.
+    /// The point that is light `light`, if it is one.
+    #[inline]
+    pub(crate) fn point(&self, light: u32) -> Option<&PointLight> {
+        match self.local.get(light as usize) {
+            Some(Local::Point(point)) => Some(point),
+            _ => None,
+        }
+    }
+
+    /// What a light without extent emits; in the middle of its beam, if it has one.
     pub(crate) fn punctual(&self, light: u32) -> Rgb {
-        let light = light as usize;
-        match (self.local.get(light), self.remote.get(light.wrapping_sub(self.local.len()))) {
-            (Some(Local::Point(_, intensity)), _) => *intensity,
+        match (self.point(light), self.remote.get((light as usize).wrapping_sub(self.local.len()))) {
+            (Some(point), _) => point.intensity,
             (None, Some(Remote::Direction(_, irradiance))) => *irradiance,
             _ => Rgb::ZERO,
         }
@@ -139,7 +148,9 @@ impl Local {
                 let (normal, weight) = s.faces(x).then(|| s.sample(x, u)).flatten()?;
                 (Place::Surface(*primitive), s.centre + normal * s.radius, [0.0; 2], weight)
             }
-            Local::Point(position, _) => (Place::Light(light), *position, [0.0; 2], 1.0),
+            // beyond the beam is dark
+            Local::Point(p) if p.share(&(x - p.position).normalize()) == 0.0 => return None,
+            Local::Point(p) => (Place::Light(light), p.position, [0.0; 2], 1.0),
         };
         let outgoing = (x - position).normalize();
         let [u, v] = coordinates.map(|c| c as f32);
@@ -168,7 +179,11 @@ impl Local {
                 let r = Vec3::repeat(s.radius);
                 LightBounds { low: s.centre - r, high: s.centre + r, power, axis: Vec3::z(), spread: PI }
             }
-            Local::Point(p, _) => LightBounds { low: *p, high: *p, power, axis: Vec3::z(), spread: PI },
+            Local::Point(p) => {
+                // a beam is narrower than the half space that a surface lights
+                let spread = if p.cosines[1] >= 0.0 { 0.0 } else { PI };
+                LightBounds { low: p.position, high: p.position, power, axis: p.axis, spread }
+            }
         }
     }
 }

@@ -163,9 +163,9 @@ impl Reader<'_> {
         match light.kind() {
             Kind::Point => self.loaded.builder.point_light(column(3), strength),
             Kind::Directional => self.loaded.builder.directional_light(column(2).map(|x| -x), strength),
-            Kind::Spot { .. } => {
-                self.loaded.report.note("spot light");
-                Ok(())
+            Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+                let angles = [inner_cone_angle, outer_cone_angle].map(|a| f64::from(a).to_degrees());
+                self.loaded.builder.spot_light(column(3), column(2).map(|x| -x), strength, angles)
             }
         }
     }

@@ -54,13 +54,12 @@ fn convert(m: &gltf::Material, pictures: &mut Pictures, report: &mut Report) -> 
         (m.normal_texture().is_some(), "normal map"),
         (m.occlusion_texture().is_some(), "occlusion map"),
         (m.alpha_mode() == AlphaMode::Blend, "blended alpha: the material is opaque"),
-        (m.alpha_mode() == AlphaMode::Mask, "masked alpha: the material is opaque"),
     ] {
         if used {
             report.note(what);
         }
     }
-    let [r, g, b, _] = pbr.base_color_factor().map(f64::from);
+    let [r, g, b, alpha] = pbr.base_color_factor().map(f64::from);
     let emission = m.emissive_factor().map(|c| f64::from(c) * f64::from(m.emissive_strength().unwrap_or(1.0)));
     let textures = Textures {
         base: pbr.base_color_texture().map(|t| pictures.texture(&t, Encoding::Srgb, report)).transpose()?,
@@ -68,7 +67,26 @@ fn convert(m: &gltf::Material, pictures: &mut Pictures, report: &mut Report) -> 
         emission: m.emissive_texture().map(|t| pictures.texture(&t, Encoding::Srgb, report)).transpose()?,
     };
     let sides = if m.double_sided() { Sides::Both } else { Sides::Front };
-    Ok(scattering(m, [r, g, b], report).emitting(emission).sides(sides).textures(textures))
+    let material = scattering(m, [r, g, b], report).emitting(emission).sides(sides).textures(textures);
+    Ok(match mask(m, alpha, pictures)? {
+        Some((mask, cutoff)) => material.cut_out(mask, cutoff),
+        None => material,
+    })
+}
+
+/// Where factor × texture is below the cutoff there is nothing.
+fn mask(m: &gltf::Material, factor: f64, pictures: &mut Pictures) -> Result<Option<(Arc<Texture>, f64)>, Error> {
+    let cutoff = m.alpha_cutoff().map_or(0.5, f64::from);
+    if m.alpha_mode() != AlphaMode::Mask || cutoff <= 0.0 {
+        return Ok(None);
+    }
+    let picture = m.pbr_metallic_roughness().base_color_texture().map(|t| pictures.decode(&t)).transpose()?;
+    Ok(match picture {
+        // a factor of 0 leaves nothing: no texel reaches an infinite cutoff
+        Some(picture) => Some((Arc::new(picture.alpha()?), cutoff / factor)),
+        None if factor < cutoff => Some((Arc::new(Texture::new(1, 1, vec![Rgb::ZERO])?), 1.0)),
+        None => None,
+    })
 }
 
 /// The law: glass if light passes, else the coated base.
@@ -127,13 +145,17 @@ impl Pictures<'_> {
         if let Some(known) = self.cache.get(&(image.index(), encoding)) {
             return Ok(known.clone());
         }
+        let texture = Arc::new(self.decode(info)?.texture(encoding)?);
+        self.cache.insert((image.index(), encoding), texture.clone());
+        Ok(texture)
+    }
+
+    fn decode(&self, info: &gltf::texture::Info) -> Result<Picture, Error> {
+        let image = info.texture().source();
         let bytes = match image.source() {
             gltf::image::Source::View { view, .. } => self.buffers.view(&view)?.to_vec(),
             gltf::image::Source::Uri { uri, .. } => fetch(self.name, uri, self.folder)?,
         };
-        let picture = Picture::decode(&bytes).map_err(|problem| wrong(self.name, format!("image {}: {problem}", image.index())))?;
-        let texture = Arc::new(picture.texture(encoding)?);
-        self.cache.insert((image.index(), encoding), texture.clone());
-        Ok(texture)
+        Picture::decode(&bytes).map_err(|problem| wrong(self.name, format!("image {}: {problem}", image.index())))
     }
 }

@@ -12,11 +12,11 @@ pub(super) enum Encoding {
     Linear,
 }
 
-/// Eight bits a channel, opaque.
+/// Eight bits a channel, alpha last.
 pub(super) struct Picture {
     width: usize,
     height: usize,
-    texels: Vec<[u8; 3]>,
+    texels: Vec<[u8; 4]>,
 }
 
 /// Images beyond this many texels are refused.
@@ -36,8 +36,14 @@ impl Picture {
             Encoding::Srgb => linear(i as f64 / 255.0),
             Encoding::Linear => i as f64 / 255.0,
         });
-        let colour = |t: &[u8; 3]| Rgb::from_components(|i| table[usize::from(t[i])]);
+        let colour = |t: &[u8; 4]| Rgb::from_components(|i| table[usize::from(t[i])]);
         Texture::new(self.width, self.height, self.texels.iter().map(colour).collect())
+    }
+
+    /// How opaque it is, in all components.
+    pub(super) fn alpha(&self) -> Result<Texture, Error> {
+        let alpha = |t: &[u8; 4]| Rgb::from_components(|_| f64::from(t[3]) / 255.0);
+        Texture::new(self.width, self.height, self.texels.iter().map(alpha).collect())
     }
 }
 
@@ -62,7 +68,12 @@ fn png(bytes: &[u8]) -> Result<Picture, String> {
     let mut data = vec![0; reader.output_buffer_size().ok_or("too large")?];
     let info = reader.next_frame(&mut data).map_err(|e| e.to_string())?;
     let channels = info.color_type.samples();
-    let texel = |t: &[u8]| if channels < 3 { [t[0]; 3] } else { [t[0], t[1], t[2]] };
+    let texel = |t: &[u8]| match *t {
+        [grey, alpha] => [grey, grey, grey, alpha],
+        [r, g, b] => [r, g, b, 255],
+        [r, g, b, alpha] => [r, g, b, alpha],
+        _ => [t[0], t[0], t[0], 255],
+    };
     Ok(Picture { width, height, texels: data[..info.buffer_size()].chunks_exact(channels).map(texel).collect() })
 }
 
@@ -74,5 +85,5 @@ fn jpeg(bytes: &[u8]) -> Result<Picture, String> {
     let (width, height) = decoder.dimensions().ok_or("no size")?;
     limited(width, height)?;
     let data = decoder.decode().map_err(|e| e.to_string())?;
-    Ok(Picture { width, height, texels: data.as_chunks::<3>().0.to_vec() })
+    Ok(Picture { width, height, texels: data.as_chunks::<3>().0.iter().map(|[r, g, b]| [*r, *g, *b, 255]).collect() })
 }

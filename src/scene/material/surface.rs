@@ -42,6 +42,8 @@ pub struct Material {
     pub(crate) emission: Rgb,
     pub(crate) sides: Sides,
     pub(crate) textures: Textures,
+    /// where it is below the number, there is no surface
+    pub(crate) mask: Option<(Arc<Texture>, f64)>,
 }
 
 /// What textures may still change.
@@ -54,7 +56,7 @@ pub(crate) enum Law {
 impl Material {
     /// Any scattering law, on both sides.
     pub fn new(bsdf: Bsdf) -> Self {
-        Material { law: Law::Fixed(bsdf), emission: Rgb::default(), sides: Sides::Both, textures: Textures::default() }
+        Material { law: Law::Fixed(bsdf), emission: Rgb::default(), sides: Sides::Both, textures: Textures::default(), mask: None }
     }
 
     /// Lambert's law with this albedo, on both sides.
@@ -108,6 +110,17 @@ impl Material {
         Material { textures, ..self }
     }
 
+    /// Cut out: where the first component of `mask` is below `cutoff` there is no surface, and light passes.
+    pub fn cut_out(self, mask: Arc<Texture>, cutoff: f64) -> Self {
+        Material { mask: Some((mask, cutoff)), ..self }
+    }
+
+    /// Whether there is no surface after all.
+    #[inline]
+    pub(crate) fn is_hole(&self, texcoord: impl Fn() -> [f64; 2]) -> bool {
+        self.mask.as_ref().is_some_and(|(mask, cutoff)| mask.at(texcoord())[0] < *cutoff)
+    }
+
     /// The scattering law at a point with these texture coordinates.
     #[inline]
     pub(crate) fn at(&self, texcoord: impl Fn() -> [f64; 2]) -> Bsdf {
@@ -124,6 +137,7 @@ impl Material {
     #[inline]
     pub(crate) fn radiance(&self, texcoord: impl Fn() -> [f64; 2]) -> Rgb {
         match &self.textures.emission {
+            _ if self.is_hole(&texcoord) => Rgb::default(),
             None => self.emission,
             Some(texture) => self.emission.apply(texture.at(texcoord())),
         }
@@ -132,7 +146,7 @@ impl Material {
     /// Whether any texture is fetched.
     pub(crate) fn textured(&self) -> bool {
         let Textures { base, metallic_roughness, emission } = &self.textures;
-        base.is_some() || metallic_roughness.is_some() || emission.is_some()
+        base.is_some() || metallic_roughness.is_some() || emission.is_some() || self.mask.is_some()
     }
 
     pub(crate) fn transmits(&self) -> bool {
@@ -147,6 +161,9 @@ impl Material {
     pub(crate) fn validate(&self) -> Result<(), Error> {
         if let Some(e) = self.emission.0.iter().find(|e| !(**e >= 0.0 && e.is_finite())) {
             return Err(Error::invalid("emission", *e, "must be finite and not negative"));
+        }
+        if let Some((_, cutoff)) = self.mask.as_ref().filter(|m| m.1.is_nan()) {
+            return Err(Error::invalid("cutoff of a mask", *cutoff, "must be a number"));
         }
         match self.law {
             Law::Fixed(bsdf) => bsdf.validate(),

@@ -59,7 +59,7 @@ where
 
     fn light_fault(&self, cell: usize, walk: u64, memory: &Memory<G, K>) -> Option<Error> {
         for (n, v) in memory.light.iter().enumerate() {
-            let (at, value) = (format!("{:?}", v.state), v.load.value);
+            let (at, value) = (format!("{:?}", v.state), v.load.value());
             if !value.all_finite() && n == 0 {
                 return Some(Error::non_finite_source(&v.state, &value));
             }

@@ -1,5 +1,6 @@
 //! A backward and a forward walk, and what each is to the other.
 
+use super::optimal::Tuned;
 use super::path::{Fault, Matrix, Vertex, survival_at, walk};
 use super::weights::{Side, accumulate, weight};
 use super::{Beyond, Connect, Meet, Strategies};
@@ -49,7 +50,7 @@ pub(super) struct Cost {
 
 /// Bidirectional walks bound to an equation and a detector; see [`Query::bidirectional`](crate::Query::bidirectional).
 #[derive(Debug)]
-pub struct PairEstimator<'a, G, K: HasAdjoint, D, E, F> {
+pub struct PairEstimator<'a, G: Source, K: HasAdjoint, D, E, F> {
     pub(super) equation: &'a Equation<G, K>,
     pub(super) adjoint: K::Adjoint,
     pub(super) detector: &'a D,
@@ -59,6 +60,8 @@ pub struct PairEstimator<'a, G, K: HasAdjoint, D, E, F> {
     /// forward walks that may end at a cell, for each backward walk that starts there: with several, they score wherever they end
     pub(super) share: u64,
     pub(super) max_steps: u64,
+    /// of every cell; none without a pilot
+    pub(super) tuned: Vec<Tuned<G::Value>>,
 }
 
 /// The memory of a pair.
@@ -87,7 +90,7 @@ where
         // nothing else reads the first vertex's next event
         u.seek(0, Purpose::Event);
         let birth = self.equation.source().emit(u);
-        let load = Carried { value: birth.weight, birth: birth.weight.magnitude() };
+        let load = Carried::born(birth.weight);
         let pdf = self.equation.source().emit_pdf(&birth.point);
         let driver = Driver { kernel: &self.adjoint, ending: &self.endings.1, max_steps: self.max_steps };
         let (forth, other) = walk(&driver, (birth.point, load, pdf), (u, 1), light, ranks);
@@ -177,6 +180,7 @@ where
         Side { path: light, last, before }
     }
 
+    #[inline]
     pub(super) fn weigh(&self, eye: &Side<'_, K::Point, Matrix<K::Weight>>, light: &Side<'_, G::State, Carried<G::Value>>) -> f64 {
         match self.strategies {
             Strategies::One { .. } => 1.0,
@@ -225,7 +229,7 @@ where
     fn score<S: Sampler>(&self, cell: usize, u: &mut S, memory: &mut Memory<G, K>) -> Score<G::Value> {
         let mut value = G::Value::ZERO;
         match self.pair(cell, u, memory, |j| value += j.contribution.scale(j.weight)) {
-            Ok(Cost { steps, joins }) => Score { value, steps, evaluations: steps + joins },
+            Ok(Cost { steps, joins }) => Score { value: value + self.controlled(cell, memory), steps, evaluations: steps + joins },
             Err(_) => Score { value: G::Value::from_components(|_| f64::NAN), steps: 0, evaluations: 0 },
         }
     }

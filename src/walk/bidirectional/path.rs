@@ -108,7 +108,7 @@ impl<K: TransitionPdf, E: Ending<K>, L: Burden<K::Weight>> Errand<K> for Keeper<
     fn arrival<S: Sampler, O: Observer<K::Point, K::Weight>>(
         &mut self,
         at: At<'_, K::Point, L, S>,
-        arrival: Arrival<K::Point>,
+        arrival: Arrival<K::Point, L>,
         (): &mut (),
         _: &mut O,
     ) {

@@ -48,7 +48,7 @@ where
         mut each: impl FnMut(Joined<G::Value>),
     ) {
         let (Some(z), share) = (light.last(), self.share as f64) else { return };
-        self.detector.meet(&z.state, z.load.value, u, |Met { cell: met, point, score, pdf }| {
+        self.detector.meet(&z.state, z.load.value(), u, |Met { cell: met, point, score, pdf }| {
             if score == G::Value::ZERO || (self.share == 1 && met != cell) {
                 return;
             }
@@ -66,7 +66,7 @@ where
         light: &[Vertex<G::State, Carried<G::Value>>],
     ) -> Option<Joined<G::Value>> {
         let ((x, z), kernel) = ((eye.last()?, light.last()?), self.equation.kernel());
-        let contribution = x.load.weight.apply(kernel.join(&x.state, &z.state).apply(z.load.value));
+        let contribution = x.load.weight.apply(kernel.join(&x.state, &z.state).apply(z.load.value()));
         if contribution == G::Value::ZERO {
             return None;
         }

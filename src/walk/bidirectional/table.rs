@@ -16,7 +16,7 @@ use std::ops::Range;
 
 /// What one strategy contributes, alone and in company.
 ///
-/// Moments are those of single pairs. Their standard error is that of the mean for independent points alone, not for sequences with replicates.
+/// Moments are those of single pairs, of independent points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Strategy<V = f64> {
@@ -45,12 +45,12 @@ const CHUNK: u64 = 1024;
 const MOST: u64 = 64;
 
 /// All (s, t) of orders up to `order`, by order, then by s.
-fn places(order: u64) -> impl Iterator<Item = (u64, u64)> {
+pub(super) fn places(order: u64) -> impl Iterator<Item = (u64, u64)> {
     (0..=order).flat_map(|m| (0..=m + 1).map(move |s| (s, m + 1 - s)))
 }
 
 /// The place of (s, t) in that order.
-fn index(s: usize, t: usize) -> usize {
+pub(super) fn index(s: usize, t: usize) -> usize {
     // orders below m = s + t − 1 have 2 + 3 + … + (m + 1) strategies
     let m = s + t - 1;
     m * (m + 3) / 2 + s
@@ -77,7 +77,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// Those of a solve; [`Error::Invalid`] for a cell that the detector does not have, or orders above 64.
+    /// Those of a solve; [`Error::Invalid`] for a cell that the detector does not have, orders above 64, and sequences with replicates, whose points say
+    /// nothing about the error of a strategy.
     pub fn strategies<E, F, Q>(&self, walks: &Bidirectional<E, F, Q>, cell: usize, order: u64) -> Result<Vec<Strategy<G::Value>>, Error>
     where
         E: Ending<K>,
@@ -91,12 +92,13 @@ where
         if order > MOST {
             return Err(Error::invalid("order", order as f64, "must be at most 64"));
         }
-        let replicates = u64::from(walks.sequence.replicates().unwrap_or(1));
-        let count = walks.samples.div_ceil(replicates);
-        let chunks = count.div_ceil(CHUNK);
-        let parts = parallel::map((chunks * replicates) as usize, |task| {
-            let (replicate, first) = ((task as u64 / chunks) as u32, task as u64 % chunks * CHUNK);
-            pairs.columns(&walks.sequence, (cell, replicate), first..(first + CHUNK).min(count), order)
+        if let Some(replicates) = walks.sequence.replicates() {
+            let why = "the table of strategies takes its errors from independent points: use `Pcg`";
+            return Err(Error::invalid("replicates", f64::from(replicates), why));
+        }
+        let parts = parallel::map(walks.samples.div_ceil(CHUNK) as usize, |task| {
+            let first = task as u64 * CHUNK;
+            pairs.columns(&walks.sequence, cell, first..(first + CHUNK).min(walks.samples), order)
         });
         let strategy = |(s, t)| Strategy { s, t, alone: Moments::default(), weighted: Moments::default() };
         let mut table: Vec<Strategy<G::Value>> = places(order).map(strategy).collect();
@@ -123,14 +125,14 @@ where
     fn columns<Q: Sequence>(
         &self,
         sequence: &Q,
-        (cell, replicate): (usize, u32),
+        cell: usize,
         indices: Range<u64>,
         order: u64,
     ) -> Result<Vec<[Moments<G::Value>; 2]>, Error> {
         let (size, first) = ((indices.end - indices.start) as usize, indices.start);
         let mut columns = vec![[vec![G::Value::ZERO; size], vec![G::Value::ZERO; size]]; places(order).count()];
         let mut memory = Memory::<G, K>::default();
-        for (i, mut u) in sequence.points(cell as u64, replicate, indices).enumerate() {
+        for (i, mut u) in sequence.points(cell as u64, 0, indices).enumerate() {
             let mut sum = G::Value::ZERO;
             let done = self.pair(cell, &mut u, &mut memory, |j| {
                 let weighted = j.contribution.scale(j.weight);
@@ -142,8 +144,8 @@ where
             });
             if done.is_err() || !sum.all_finite() {
                 let walk = first + i as u64;
-                let unexplained = Error::NonFiniteScore { sample: walk, replicate, score: format!("{sum:?}") };
-                return Err(self.explain(cell, walk, &mut sequence.point(cell as u64, replicate, walk)).unwrap_or(unexplained));
+                let unexplained = Error::NonFiniteScore { sample: walk, replicate: 0, score: format!("{sum:?}") };
+                return Err(self.explain(cell, walk, &mut sequence.point(cell as u64, 0, walk)).unwrap_or(unexplained));
             }
         }
         Ok(columns.iter().map(|column| [0, 1].map(|part| Moments::from_scores(&column[part]))).collect())

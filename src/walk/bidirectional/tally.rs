@@ -6,15 +6,16 @@ use crate::error::Error;
 use crate::estimator::{Estimator, Tally, choose};
 use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
 use crate::sampling::Sampler;
-use crate::source::EmitPdf;
+use crate::source::{EmitPdf, Source};
 use crate::value::{Value, Weight};
 use crate::walk::Ending;
 
 /// Pairs of walks that score in all cells they come to; see [`PairEstimator::shared`].
-pub struct SharedPairs<'a, G, K: HasAdjoint, D, E, F>(PairEstimator<'a, G, K, D, E, F>);
+pub struct SharedPairs<'a, G: Source, K: HasAdjoint, D, E, F>(PairEstimator<'a, G, K, D, E, F>);
 
 impl<G, K, D, E, F> std::fmt::Debug for SharedPairs<'_, G, K, D, E, F>
 where
+    G: Source,
     K: HasAdjoint,
 {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -31,9 +32,11 @@ where
     E: Ending<K>,
     F: Ending<K::Adjoint>,
 {
-    /// The same pairs as a tally: forward walks score in any cell, and weights count on it.
+    /// The same pairs as a tally: forward walks score in any cell, and weights count on it. Those of a pilot, which are of single cells, do not: the heuristic's
+    /// remain.
     #[must_use]
     pub fn shared(mut self) -> SharedPairs<'a, G, K, D, E, F> {
+        self.tuned.clear();
         self.share = if D::EXTENDED { self.detector.cells() as u64 } else { 1 };
         SharedPairs(self)
     }

@@ -197,7 +197,8 @@ where
         let Walk { scoring, ending, max_steps, sequence, .. } = &self.walk;
         let driver = Driver { kernel: &self.adjoint, ending, max_steps: *max_steps };
         let mut points = sequence.points(0, replicate, from..to).enumerate();
-        let mut errand = Onward { equation: self.equation, detector: self.detector, scoring, scores };
+        let add = |walk, cell, score| scores.add(walk, cell, score);
+        let mut errand = Onward { equation: self.equation, detector: self.detector, scoring, add };
         let (mut lanes, mut ranks) = (Vec::with_capacity(FRONT), Vec::new());
         let (mut count, mut too_long) = (Count { walks: to - from, ..Count::default() }, None);
         for _ in (from..to).step_by(FRONT) {
@@ -227,7 +228,8 @@ where
         let mut recorder = Recorder::new(walk);
         let mut lane = [born(self.equation.source(), 0, sequence.point(0, replicate, walk))];
         let mut end = End::TooLong;
-        let mut errand = Onward { equation: self.equation, detector: self.detector, scoring, scores: &mut scores };
+        let add = |walk, cell, score| scores.add(walk, cell, score);
+        let mut errand = Onward { equation: self.equation, detector: self.detector, scoring, add };
         let driver = Driver { kernel: &self.adjoint, ending, max_steps: *max_steps };
         driver.walk(&mut errand, &mut lane, &mut Vec::new(), &mut recorder, |walk| end = walk.end);
         (recorder, end)

@@ -1,7 +1,7 @@
 //! A forward walk as a function on the unit cube, scoring in all cells.
 
 use super::Forward;
-use super::errand::{Carried, born, seen};
+use super::errand::{Onward, born};
 use super::scoring::ForwardScoring;
 use super::trace::Recorder;
 use crate::detector::Detector;
@@ -9,11 +9,11 @@ use crate::equation::{Equation, Query};
 use crate::error::Error;
 use crate::estimator::Tally;
 use crate::kernel::{HasAdjoint, Operator, Transition};
-use crate::sampling::{Pcg, Purpose, Sampler, Sequence};
+use crate::sampling::{Pcg, Sampler, Sequence};
 use crate::source::Emit;
 use crate::value::{Value, Weight};
-use crate::walk::driver::{At, Driver, End, Errand};
-use crate::walk::{Arrival, Ending, Observer, Visit, Walk};
+use crate::walk::driver::{Driver, End};
+use crate::walk::{Ending, Observer, Walk};
 
 /// A forward walk, bound to its equation and detector; see [`Query::tally`].
 pub struct ForwardTally<'a, G, K: HasAdjoint, D, C, E> {
@@ -72,69 +72,6 @@ where
     }
 }
 
-/// Hands every score on.
-struct Adding<'a, G: Emit, K, D, C, F> {
-    equation: &'a Equation<G, K>,
-    detector: &'a D,
-    scoring: &'a C,
-    add: F,
-}
-
-impl<G, K, A, D, C, F> Errand<A> for Adding<'_, G, K, D, C, F>
-where
-    G: Emit,
-    K: HasAdjoint<Adjoint = A>,
-    K::Weight: Weight<Value = G::Value>,
-    A: Operator<Point = G::State, Weight = K::Weight>,
-    D: Detector,
-    C: ForwardScoring<G, K, D>,
-    F: FnMut(usize, G::Value),
-{
-    type Load = Carried<G::Value>;
-    type Score = ();
-    const NOTHING: () = ();
-
-    #[inline]
-    fn carry(load: &Carried<G::Value>, reciprocal: f64, step: K::Weight) -> Carried<G::Value> {
-        load.carry(reciprocal, step)
-    }
-
-    #[inline]
-    fn magnitude(load: &Carried<G::Value>) -> f64 {
-        load.relative()
-    }
-
-    #[inline]
-    fn arrival<S: Sampler, O: Observer<A::Point, A::Weight>>(
-        &mut self,
-        at: At<'_, A::Point, Carried<G::Value>, S>,
-        arrival: Arrival<A::Point>,
-        (): &mut (),
-        observer: &mut O,
-    ) {
-        at.visit.weight.tell(&at.visit.point, observer);
-        at.u.seek(at.depth, Purpose::Event);
-        self.scoring.arrival(seen(self.equation, self.detector, at.visit), arrival, at.u, observer, &mut self.add);
-    }
-
-    #[inline]
-    fn vertex<S: Sampler, O: Observer<A::Point, A::Weight>>(
-        &mut self,
-        at: At<'_, A::Point, Carried<G::Value>, S>,
-        (): &mut (),
-        observer: &mut O,
-    ) {
-        self.scoring.vertex(seen(self.equation, self.detector, at.visit), at.u, observer, &mut self.add);
-    }
-
-    #[inline]
-    fn end<O: Observer<A::Point, A::Weight>>(&mut self, _: usize, _: &Visit<A::Point, Carried<G::Value>>, (): &mut (), _: &mut O) {}
-
-    fn poison(&mut self, _: usize, (): &mut ()) {
-        (self.add)(0, G::Value::from_components(|_| f64::NAN));
-    }
-}
-
 impl<G, K, D, C, E> ForwardTally<'_, G, K, D, C, E>
 where
     G: Emit,
@@ -149,10 +86,11 @@ where
         u: S,
         ranks: &mut Vec<u32>,
         observer: &mut O,
-        add: impl FnMut(usize, G::Value),
+        mut add: impl FnMut(usize, G::Value),
     ) -> (u64, End) {
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
-        let mut errand = Adding { equation: self.equation, detector: self.detector, scoring, add };
+        let add = |_, cell, score| add(cell, score);
+        let mut errand = Onward { equation: self.equation, detector: self.detector, scoring, add };
         let driver = Driver { kernel: &self.adjoint, ending, max_steps: *max_steps };
         let mut end = End::Absorbed;
         let steps = driver.walk(&mut errand, &mut [born(self.equation.source(), 0, u)], ranks, observer, |walk| end = walk.end);

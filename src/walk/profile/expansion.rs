@@ -33,6 +33,9 @@ pub enum Basis {
     ChebyshevSecond,
 }
 
+/// More coefficients would be noise: that of c_k grows as √k.
+const MOST_TERMS: usize = 4096;
+
 /// `terms` coefficients on an interval, summed at points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
@@ -73,7 +76,7 @@ impl Expansion {
         }
     }
 
-    /// The L² norm over the interval of what the basis cannot say of `tf`, and that of `tf` itself.
+    /// The L² norm over the interval of what the basis cannot say of `tf`, and that of `tf` itself; NaN for more terms than a solve accepts.
     ///
     /// ```
     /// use fredholm::{Equation, deterministic::Nystrom, walk::Expansion};
@@ -84,6 +87,9 @@ impl Expansion {
     /// # Ok::<(), fredholm::Error>(())
     /// ```
     pub fn missed<V: Value>(&self, tf: impl Fn(f64) -> V) -> (f64, f64) {
+        if self.terms > MOST_TERMS {
+            return (f64::NAN, f64::NAN);
+        }
         let rule = composite_unit_rule(8 + self.terms / 4, 12);
         let nodes: Vec<_> = rule.iter().map(|n| (self.interval.at(n.point), n.weight * self.interval.length())).collect();
         let values: Vec<V> = nodes.iter().map(|n| tf(n.0)).collect();
@@ -125,7 +131,11 @@ impl Detector for Expansion {
     }
     fn validate(&self) -> Result<(), Error> {
         self.interval.validate()?;
-        if self.terms == 0 { Err(Error::invalid("terms", 0.0, "must be at least 1")) } else { Ok(()) }
+        match self.terms {
+            0 => Err(Error::invalid("terms", 0.0, "must be at least 1")),
+            terms if terms > MOST_TERMS => Err(Error::invalid("terms", terms as f64, "must be at most 4096")),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -151,6 +161,7 @@ where
 
     fn plan(&self, equation: &Equation<G, K>, _: u64) -> Result<PlanOf<G, K, Self>, Error> {
         check_points(self.interval, &self.points)?;
+        self.validate()?;
         let known = source_at(equation.source(), &self.points)?;
         let row = |x: &f64| {
             let mut row = vec![0.0; self.terms];

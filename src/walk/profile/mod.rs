@@ -10,7 +10,7 @@
 //! | [`Smoothed`] | biased by b² | as the histogram, for a curve | MSE falls as n^(−4/5), not n^(−1) |
 //! | [`Expansion`] | biased by what the basis misses | few coefficients say it all | layers, jumps of T f |
 //!
-//! Every one gives a [`Profile`](crate::statistics::Profile), whose [`band`](crate::statistics::Profile::band) holds for all points at once. Flights of particles have tallies of
+//! Tails of scores, which tell an infinite variance, are kept for up to 1024 cells; with more of them no verdict is better than doubtful. Every one gives a [`Profile`](crate::statistics::Profile), whose [`band`](crate::statistics::Profile::band) holds for all points at once. Flights of particles have tallies of
 //! their own: [`Histories`](crate::transport::Histories).
 
 mod expansion;
@@ -32,7 +32,7 @@ use crate::error::Error;
 use crate::kernel::{HasAdjoint, Operator, Transition};
 use crate::sampling::{Pcg, Sequence};
 use crate::source::Emit;
-use crate::statistics::{Bias, Profile, Verdict};
+use crate::statistics::{Bias, Estimate, Profile, Verdict};
 use crate::value::{Value, Weight};
 use std::fmt::Debug;
 
@@ -154,7 +154,9 @@ where
         let mut run = Run::new(&walk, equation, &plan.detector)?;
         let batches = run.batches(self.batches)?;
         let cells = run.estimates();
-        let verdicts: Vec<_> = cells.iter().map(|e| e.verdict()).collect();
+        // a tail that was not kept may be any
+        let verdict = |e: &Estimate<G::Value>| if e.tail.is_some() { e.verdict() } else { e.verdict().max(Verdict::Doubtful) };
+        let verdicts: Vec<_> = cells.iter().map(verdict).collect();
         let values = batches.into_iter().map(|cells| plan.values(cells)).collect();
         let profile = Profile::of_batches(plan.points.clone(), values, plan.verdicts(&verdicts), cells, plan.bias);
         Ok(profile.shifted(&plan.known, plan.known_error))

@@ -32,7 +32,7 @@ where
         &self,
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
-        _: Arrival<K::Point>,
+        _: Arrival<K::Point, K::Weight>,
         score: &mut G::Value,
         observer: &mut O,
     ) {

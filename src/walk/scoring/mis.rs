@@ -133,7 +133,7 @@ where
         &self,
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
-        arrival: Arrival<K::Point>,
+        arrival: Arrival<K::Point, K::Weight>,
         score: &mut G::Value,
         observer: &mut O,
     ) {

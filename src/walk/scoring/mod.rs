@@ -4,11 +4,13 @@ mod absorption;
 mod collision;
 mod mis;
 mod next_event;
+mod optimal;
 
 pub use absorption::Absorption;
 pub use collision::Collision;
 pub use mis::{Heuristic, Mis, Technique};
 pub use next_event::NextEvent;
+pub use optimal::OptimalMis;
 
 use super::observer::Observer;
 use crate::equation::Equation;
@@ -32,25 +34,36 @@ pub struct Visit<X, W> {
 
 /// How the walk came to a vertex.
 #[derive(Clone, Copy, Debug)]
-pub enum Arrival<X> {
+pub enum Arrival<X, W = ()> {
     /// It starts here.
     Start,
     /// By a step whose sub-density π, the method's survival included, is `pdf` (see [`density`](Arrival::density)).
     Step {
         /// X_{n−1}.
         from: X,
+        /// W_{n−1}, where the rule is told.
+        carried: W,
         /// NaN if unstated, infinite if singular, −P if deferred.
         pdf: f64,
     },
 }
 
-impl<X> Arrival<X> {
+impl<X, W> Arrival<X, W> {
     /// What the step states about its density; a start counts as singular: nothing else could have produced it.
     #[inline]
     pub fn density(&self) -> Density {
         match self {
             Arrival::Start => Density::Singular,
             Arrival::Step { pdf, .. } => Density::decode(*pdf),
+        }
+    }
+
+    /// The same without W_{n−1}.
+    #[inline]
+    pub(super) fn unloaded(self) -> Arrival<X> {
+        match self {
+            Arrival::Start => Arrival::Start,
+            Arrival::Step { from, pdf, .. } => Arrival::Step { from, carried: (), pdf },
         }
     }
 }
@@ -68,7 +81,7 @@ pub trait Scoring<G: Source, K: Operator>: Copy + Debug + Send + Sync + 'static 
         &self,
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
-        arrival: Arrival<K::Point>,
+        arrival: Arrival<K::Point, K::Weight>,
         score: &mut G::Value,
         observer: &mut O,
     ) {

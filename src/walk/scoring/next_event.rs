@@ -36,7 +36,7 @@ where
         &self,
         equation: &Equation<G, K>,
         visit: &Visit<K::Point, K::Weight>,
-        arrival: Arrival<K::Point>,
+        arrival: Arrival<K::Point, K::Weight>,
         score: &mut G::Value,
         observer: &mut O,
     ) {
@@ -90,7 +90,7 @@ where
 #[cold]
 pub(super) fn unstated<G, K, O>(
     visit: &Visit<K::Point, K::Weight>,
-    arrival: Arrival<K::Point>,
+    arrival: Arrival<K::Point, K::Weight>,
     needed_by: &'static str,
     observer: &mut O,
 ) -> G::Value

@@ -1,0 +1,88 @@
+//! Which method is fastest to an accuracy? Problems × methods: true error against wall time and against evaluations of the kernel.
+//!
+//! Equation: f(x) = g(x) + ∫ K(x, y) f(y) dμ(y) for a dozen kernels of known f (smooth, peaked, oscillating, singular, long walks), and three scenes.
+//! Answer: `study.csv`, two plots a problem, and `study.md`: the fastest method to 1e-2, 1e-4, 1e-6, 1e-9.
+//!
+//! `cargo run --release --example study -- [--small] [--out DIR] [--peers FILE] [--problem NAME|FILE.json] [--no-scenes]`
+//!
+//! Walks find f at one point (root mean square of the true error over seeds), solves find f everywhere (largest true error over the points known);
+//! both are relative to max |f|. Every method is called as a user would, its set-up is in its time. Times of rules that are not adaptive are those
+//! of the cheapest rule that turned out to be accurate enough: nobody knows it beforehand.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+#[path = "../solve/any.rs"]
+#[allow(dead_code, reason = "planes are not studied")]
+mod any;
+mod curve;
+mod options;
+mod peers;
+mod problem;
+mod problems;
+mod report;
+#[path = "../solve/rules.rs"]
+#[allow(dead_code, reason = "evaluations are counted by the walks")]
+mod rules;
+mod scenes;
+#[path = "../../tests/sampling/any.rs"]
+#[allow(dead_code, reason = "not all sequences are studied")]
+mod sequences;
+mod solves;
+mod walks;
+
+use options::{Options, Scenes};
+use peers::Peers;
+use problem::Problem;
+use std::process::ExitCode;
+use std::time::Instant;
+
+fn study(options: &Options) -> Result<Vec<Problem>, String> {
+    let mut peers = Peers::default();
+    for path in &options.peers {
+        let skipped = peers.read(path)?;
+        println!("{}: {skipped} lines that are no measurements", path.display());
+    }
+    let clock = Instant::now();
+    let mut problems = Vec::new();
+    for case in problems::cases(&options.problems)? {
+        let mut curves = walks::all(&case, options.effort);
+        curves.extend(solves::all(&case, options.effort));
+        curves.extend(peers.curves(case.peer, case.scale()));
+        println!("{:7.1} s  {}: {} methods", clock.elapsed().as_secs_f64(), case.name, curves.len());
+        problems.push(Problem { name: case.name, class: case.class, curves });
+    }
+    if options.scenes == Scenes::With {
+        problems.extend(scenes::all(options.effort)?);
+        println!("{:7.1} s  scenes", clock.elapsed().as_secs_f64());
+    }
+    Ok(problems)
+}
+
+fn write(options: &Options, problems: &[Problem]) -> Result<(), String> {
+    let folder = &options.out;
+    let at = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
+    std::fs::create_dir_all(folder).map_err(|e| at(&e))?;
+    std::fs::write(folder.join("study.csv"), report::csv(problems)).map_err(|e| at(&e))?;
+    std::fs::write(folder.join("study.md"), report::table(problems)).map_err(|e| at(&e))?;
+    problems.iter().try_for_each(|p| report::plots(p, folder)).map_err(|e| at(&e))
+}
+
+fn main() -> ExitCode {
+    let run = || {
+        let options = Options::parse(std::env::args().skip(1))?;
+        let problems = study(&options)?;
+        write(&options, &problems)?;
+        println!("\n{}", report::table(&problems));
+        println!("wrote study.csv, study.md and plots to {}", options.out.display());
+        match report::too_sure(&problems) {
+            wrong if wrong.is_empty() => Ok(()),
+            wrong => Err(format!("errors larger than reported:\n{}", wrong.join("\n"))),
+        }
+    };
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
