@@ -108,6 +108,19 @@ fn wavefront_files_load() {
     let scene = loaded.builder.build().unwrap();
     let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
     assert_eq!(fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, [1.0, 2.0, 3.0]);
+    // one number is a grey; two are none, and said
+    let seen = |library: &str| {
+        std::fs::write(folder.join("short.mtl"), library).unwrap();
+        std::fs::write(folder.join("short.obj"), obj.replace("box.mtl", "short.mtl")).unwrap();
+        let loaded = load(folder.join("short.obj")).unwrap();
+        let (report, scene) = (loaded.report.to_string(), loaded.builder.build().unwrap());
+        let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+        (fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, report)
+    };
+    assert_eq!(seen("newmtl lamp\nKe 2\n"), ([2.0; 3], "everything in the file is used".to_string()));
+    for short in ["newmtl lamp\nKe 2 2\n", "newmtl lamp\nKd\n"] {
+        assert!(seen(short).1.contains("everything is grey"), "{short}");
+    }
     std::fs::write(folder.join("bad.obj"), "v 0 0 x\nf 1 2 3\n").unwrap();
     assert!(matches!(load(folder.join("bad.obj")), Err(Error::SceneFile { .. })));
     std::fs::write(folder.join("far.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 9\n").unwrap();
