@@ -44,8 +44,8 @@ fn main() -> Result<(), Error> {
     let (back, event) = (Walk::collision().roulette(end).samples_per_cell(n), Walk::mis().roulette(end).samples_per_cell(n));
     let forth = Forward::new().roulette(end).walks(n);
     let both = Bidirectional::new().roulette(end).samples_per_cell(n);
-    let names = ["collisions", "next event, MIS", "forward", "bidirectional", "its maximum"];
-    let mut lines: [Vec<(f64, f64)>; 5] = Default::default();
+    let names = ["collisions", "next event, MIS", "forward", "bidirectional", "its maximum", "its optimum"];
+    let mut lines: [Vec<(f64, f64)>; 6] = Default::default();
     println!("{:>8}{}", "w", names.map(|name| format!("{name:>18}")).concat());
     for w in [0.08, 0.04, 0.02, 0.01, 0.005, 0.0025] {
         let lamp = Interval::from(0.8..=0.8 + w);
@@ -54,7 +54,8 @@ fn main() -> Result<(), Error> {
         let eq = Equation::new(g, Proposed::new(k, Both::new(Mixture(w), Mixture(w))));
         let h = Functional::new(Interval::from(0.2..=0.2 + w), move |_: &f64| 1.0 / w);
         let query = eq.seen_by(&h);
-        let methods: [&dyn Method<_, _, _, Solution = _>; 5] = [&back, &event, &forth, &both, &both.heuristic(Heuristic::Maximum)];
+        let (maximum, optimum) = (both.heuristic(Heuristic::Maximum), both.optimal(n.max(1024) / 16));
+        let methods: [&dyn Method<_, _, _, Solution = _>; 6] = [&back, &event, &forth, &both, &maximum, &optimum];
         print!("{w:8}");
         for (method, line) in methods.into_iter().zip(&mut lines) {
             let e = query.solve(method)?;

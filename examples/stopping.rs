@@ -28,7 +28,9 @@ fn main() -> Result<(), Box<dyn error::Error>> {
     }
     let file = "target/plots/stopping.json";
     fs::create_dir_all("target/plots")?;
-    fs::write(file, serde_json::to_string_pretty(&rounds.checkpoint())?)?;
+    // written beside and renamed: whenever the program is killed, a whole state is there
+    fs::write("target/plots/stopping.part", serde_json::to_string_pretty(&rounds.checkpoint())?)?;
+    fs::rename("target/plots/stopping.part", file)?;
     println!("interrupted; state saved in {file}");
 
     // perhaps on another day: read the state and go on until the interval is short enough

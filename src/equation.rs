@@ -1,5 +1,6 @@
 //! f = g + T f, and what can be asked of it.
 
+use crate::contained::contained;
 use crate::detector::{At, Detector, Points};
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
@@ -94,9 +95,9 @@ where
     /// f everywhere, by a method that finds a function.
     ///
     /// # Errors
-    /// Those of the method.
+    /// Those of the method; [`Error::Panicked`].
     pub fn solve<M: Method<G, K, Everywhere> + ?Sized>(&self, method: &M) -> Result<M::Solution, Error> {
-        method.solve(self, &Everywhere)
+        contained(|| method.solve(self, &Everywhere))
     }
 
     /// The source g.
@@ -196,9 +197,9 @@ impl<'a, G, K, D> Query<'a, G, K, D> {
     /// Solves with one method.
     ///
     /// # Errors
-    /// Those of the method.
+    /// Those of the method; [`Error::Panicked`].
     pub fn solve<M: Method<G, K, D> + ?Sized>(&self, method: &M) -> Result<M::Solution, Error> {
-        method.solve(self.equation, self.detector())
+        contained(|| method.solve(self.equation, self.detector()))
     }
 
     /// The equation.

@@ -363,6 +363,12 @@ pub enum Error {
         /// What is wrong in it, and where.
         problem: String,
     },
+    /// A function of yours, or a part of this crate, panicked; the panic hook has said where.
+    #[error("a panic during the solve: {message}")]
+    Panicked {
+        /// What it said.
+        message: String,
+    },
     /// Reading or writing failed.
     #[error("{path}: {message}")]
     Io {

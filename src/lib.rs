@@ -45,6 +45,9 @@
 //! | [`Forward::profile`] by [tallies](walk::Tally) | as its tally | `Emit` | [says so](statistics::Bias) | as above |
 //! | [`Nystrom`](deterministic::Nystrom), [`Galerkin`](deterministic::Galerkin), [`Collocation`](deterministic::Collocation) | `Kernel`, [`HasDomain`](kernel::HasDomain) | `Source` | deterministic | – |
 //!
+//! Several techniques share a point by average, maximum, balance or power weights ([`walk::Heuristic`]), or by optimal ones from a pilot ([`Query::optimal`],
+//! [`Bidirectional::optimal`]); [`Equation::predict`] says what variance they will have.
+//!
 //! Plain integrals ∫f dμ, on which walks stand, are [`Integral`]s with the same verb and the same [`Estimate`]: [`integral`] has importance sampling,
 //! strata, combined sampling, control functions. [`Study`](statistics::Study) measures bias, variance and coverage of any estimator.
 //!
@@ -74,6 +77,7 @@
 
 pub mod check;
 mod complex;
+mod contained;
 pub mod detector;
 pub mod deterministic;
 pub mod domain;
@@ -84,6 +88,8 @@ pub mod estimator;
 pub mod formula;
 pub mod integral;
 pub mod kernel;
+#[cfg(any(feature = "plot", feature = "scene"))]
+mod output;
 mod parallel;
 #[cfg(feature = "plot")]
 pub mod plot;

@@ -60,6 +60,7 @@ pub use secondary::{Primary, Secondary};
 pub use strata::Strata;
 pub use stratified::Stratified;
 
+use crate::contained::contained;
 use crate::domain::{Domain, Interval};
 use crate::error::Error;
 use crate::source::{Source, SourceFn, TabulatedSource, source_fn};
@@ -112,9 +113,9 @@ impl<D: Domain, G: Source<Point = D::Point>> Integral<D, G> {
     /// Solves with one method.
     ///
     /// # Errors
-    /// Those of the method.
+    /// Those of the method; [`Error::Panicked`].
     pub fn solve<M: Integrator<D, G> + ?Sized>(&self, method: &M) -> Result<M::Solution, Error> {
-        method.solve(self)
+        contained(|| method.solve(self))
     }
 
     /// The variance that `method` will have, by the exact formula with `rule` for its integrals; infinite where the density misses a node with f ≠ 0.

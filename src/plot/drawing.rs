@@ -2,6 +2,7 @@
 
 use super::style::{Colour, Dash, INK, Marker, WHITE};
 use crate::error::Error;
+use crate::output::replace;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle, register_font};
@@ -122,7 +123,7 @@ impl Drawing {
         if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(io)?;
         }
-        std::fs::write(path, bytes).map_err(io)
+        replace(path, &bytes)
     }
 
     /// `units` a pixel; a font of size s em is asked for as s·`em`, and its baseline lies s·`drop` below its top.

@@ -2,6 +2,7 @@
 
 use super::{Environment, Image, Rgb};
 use crate::error::Error;
+use crate::output::replace;
 use crate::statistics::Estimate;
 use crate::value::Value;
 use exr::prelude::{
@@ -38,14 +39,14 @@ impl Image<Rgb> {
     /// # Errors
     /// [`Error::Io`].
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<usize, Error> {
-        let path = path.as_ref();
-        let file = std::fs::File::create(path).map_err(|e| io(path, &e))?;
-        let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), self.width() as u32, self.height() as u32);
+        let (path, mut file) = (path.as_ref(), Vec::new());
+        let mut encoder = png::Encoder::new(&mut file, self.width() as u32, self.height() as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
         let bytes: Vec<u8> = self.pixels().iter().flat_map(|p| p.0.map(srgb)).collect();
         encoder.write_header().and_then(|mut w| w.write_image_data(&bytes)).map_err(|e| io(path, &e))?;
+        replace(path, &file)?;
         Ok(self.pixels().iter().filter(|p| (0..3).any(|i| !(0.0..=1.0).contains(&p.component(i)))).count())
     }
 
@@ -106,7 +107,9 @@ fn channels(prefix: &str, image: &Image<Rgb>) -> Channels {
 
 fn write_channels(path: &Path, size: (usize, usize), channels: Channels) -> Result<(), Error> {
     let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
-    Exr::from_layer(layer).write().to_file(path).map_err(|e| io(path, &e))
+    let mut file = std::io::Cursor::new(Vec::new());
+    Exr::from_layer(layer).write().to_buffered(&mut file).map_err(|e| io(path, &e))?;
+    replace(path, file.get_ref())
 }
 
 /// IEC 61966-2-1 in eight bits.

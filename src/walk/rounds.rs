@@ -2,6 +2,7 @@
 
 use super::run::{Checkpoint, Run};
 use super::{Ending, Scoring};
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -101,7 +102,7 @@ where
             return None;
         }
         let target = self.run.chunk.checked_shl(self.run.state.round() as u32).unwrap_or(budget).min(budget);
-        if let Err(error) = self.run.advance_round(target.max(done + 1)) {
+        if let Err(error) = contained(|| self.run.advance_round(target.max(done + 1))) {
             self.failed = true;
             return Some(Err(error));
         }

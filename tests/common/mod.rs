@@ -102,6 +102,7 @@ const REGISTERED: &[(&str, u32)] = &[
     ("scene::directions images", 86),
     ("scene::directions metropolis", 4),
     ("scene::directions caustic", 1),
+    ("scene::optimal", 1),
 ];
 
 /// The share of one test.

@@ -241,3 +241,25 @@ fn metropolis() {
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+/// Optimal weights ask for densities along edges that a shelf may cut.
+#[test]
+fn optimal_weights_in_half_shadow() {
+    let mut budget = Budget::of("scene::optimal");
+    let mut scene = Scene::builder();
+    let wall = scene.material(Material::diffuse([0.6; 3]));
+    let lamp = scene.material(Material::diffuse([0.0; 3]).emitting([4.0; 3]));
+    scene.mesh(shapes::room([-1.0; 3], [1.0; 3]).unwrap(), wall).unwrap();
+    scene.mesh(shapes::parallelogram([-0.8, -0.8, 0.9], [0.0, 1.6, 0.0], [1.6, 0.0, 0.0]).unwrap(), lamp).unwrap();
+    scene.mesh(shapes::parallelogram([-0.5, -0.5, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]).unwrap(), wall).unwrap();
+    let scene = scene.build().unwrap();
+    let film = scene.film(Camera::look_at([0.0, -0.9, -0.3], [0.0, 0.45, -1.0]).field_of_view(30.0), 1, 1);
+    let transport = scene.light_transport();
+    let (query, walk) = (transport.seen_by(&film), Walk::mis().depth(2).samples_per_cell(1 << 16));
+    let balance = query.solve(&walk).unwrap()[(0, 0)].component(0);
+    let best = query.solve(&query.optimal(&walk.seed(5), 4096).unwrap()).unwrap()[(0, 0)].component(0);
+    let error = best.std_error.unwrap().hypot(balance.std_error.unwrap());
+    let freedom = (best.degrees_of_freedom + balance.degrees_of_freedom) as f64;
+    budget.mean("optimal less balance", (best.value - balance.value, error, freedom), 0.0, 0.01).unwrap();
+    assert!(best.variance() < balance.variance());
+}

@@ -3,6 +3,7 @@
 mod cases;
 #[path = "../common/mod.rs"]
 mod common;
+mod faults;
 
 use cases::{Scale, rows};
 

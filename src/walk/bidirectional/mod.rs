@@ -243,7 +243,7 @@ impl<E: Copy, F: Copy, Q: Sequence> Bidirectional<E, F, Q> {
         let endings = (self.backward, self.forward);
         let (heuristic, strategies, max_steps) = (self.heuristic, self.strategies, self.max_steps);
         let mut pairs =
-            PairEstimator { equation, adjoint, detector, endings, heuristic, strategies, share: 1, max_steps, alpha: Vec::new() };
+            PairEstimator { equation, adjoint, detector, endings, heuristic, strategies, share: 1, max_steps, tuned: Vec::new() };
         if let Some(pilot) = self.pilot {
             pairs.tune(&pilot_points(&self.sequence), pilot, 0..detector.cells())?;
         }
@@ -292,10 +292,14 @@ where
             return Ok(detector.answer(pairs.all_cells(&self.sequence, self.samples)?));
         }
         let cell = |cell: usize| {
-            estimate(self.sequence.replicates(), self.samples, &|replicate, indices| {
+            let mut e = estimate(self.sequence.replicates(), self.samples, &|replicate, indices| {
                 score_block(&pairs, &self.sequence, cell, (cell as u64, replicate), indices)
-            })
+            })?;
+            if let Some(pilot) = pairs.tuned.get(cell) {
+                (e.steps, e.evaluations) = (e.steps + pilot.steps, e.evaluations + pilot.evaluations);
+            }
+            Ok(e)
         };
-        Ok(detector.answer((0..detector.cells()).map(cell).collect::<Result<_, _>>()?))
+        Ok(detector.answer((0..detector.cells()).map(cell).collect::<Result<_, Error>>()?))
     }
 }

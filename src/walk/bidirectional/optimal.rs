@@ -5,7 +5,8 @@
 //! Y = Y_w + Σ_{m ≤ 3} Σ_k α_{m,k} D_{m,k}
 //! ```
 //!
-//! x̄_s is the path of order m that strategy s makes of a pair, whether it scores or not. With the balance heuristic in Y_w this is a change of weights, w_s =
+//! x̄_s is the path of order m that strategy s makes of a pair, whether it scores or not; paths along Dirac parts have no controls, their densities being of
+//! other measures in either direction. With the balance heuristic in Y_w this is a change of weights, w_s =
 //! r_s (1 + Σ_k α_k p_k/C) − α_s p_s/C with C = h K … K g along the path: negative ones included, Σ w = 1. α comes from the regression of Y on all D in a pilot on points of its
 //! own, for every cell and component: the strategies of a pair share their walks, and the regression counts on it. Longer paths keep the heuristic. Not worse
 //! than it beyond the pilot's noise, some 14/pilot. Reference: Kondapaneni et al., *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
@@ -15,7 +16,7 @@ use super::table::{index, places};
 use super::weights::Side;
 use super::{Beyond, Connect, Meet, Strategies};
 use crate::error::Error;
-use crate::estimator::{Estimator, coefficients};
+use crate::estimator::{Estimator, Score, coefficients};
 use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
 use crate::sampling::{Pcg, Sequence};
 use crate::source::EmitPdf;
@@ -26,7 +27,15 @@ use std::ops::Range;
 /// Paths of so many edges have controls.
 const ORDER: u64 = 3;
 /// Strategies of these orders.
-pub(super) const CONTROLS: usize = 14;
+const CONTROLS: usize = 14;
+
+/// What the pilot of a cell found, and what it cost.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tuned<V> {
+    alpha: [V; CONTROLS],
+    pub(super) steps: u64,
+    pub(super) evaluations: u64,
+}
 
 impl<G, K, D, E, F> PairEstimator<'_, G, K, D, E, F>
 where
@@ -40,8 +49,7 @@ where
     /// Finds α for the cells given.
     pub(super) fn tune(&mut self, points: &Pcg, pilot: u64, cells: Range<usize>) -> Result<(), Error> {
         self.can_be_tuned(points, pilot)?;
-        let alpha = cells.map(|cell| self.pilot(points, pilot, cell)).collect::<Result<_, Error>>()?;
-        self.alpha = alpha;
+        self.tuned = cells.map(|cell| self.pilot(points, pilot, cell)).collect::<Result<_, Error>>()?;
         Ok(())
     }
 
@@ -65,11 +73,13 @@ where
     }
 
     /// α of one cell.
-    fn pilot(&self, points: &Pcg, pilot: u64, cell: usize) -> Result<[G::Value; CONTROLS], Error> {
+    fn pilot(&self, points: &Pcg, pilot: u64, cell: usize) -> Result<Tuned<G::Value>, Error> {
+        let (mut steps, mut evaluations) = (0, 0);
         let mut memory = Memory::<G, K>::default();
         let (mut scores, mut controls) = (Vec::new(), vec![Vec::new(); CONTROLS]);
         for (walk, mut u) in (0..).zip(points.points(cell as u64, 0, 0..pilot)) {
-            let score = self.score(cell, &mut u, &mut memory).value;
+            let Score { value: score, steps: walked, evaluations: evaluated } = self.score(cell, &mut u, &mut memory);
+            (steps, evaluations) = (steps + walked, evaluations + evaluated);
             let found = self.controls(cell, &memory);
             if !score.all_finite() || found.iter().any(|d| !d.is_finite()) {
                 let unexplained = Error::NonFiniteScore { sample: walk, replicate: 0, score: format!("{score:?}") };
@@ -84,15 +94,16 @@ where
             coefficients(&controls, &scores).ok_or_else(unexplained)
         };
         let alpha = (0..G::Value::COMPONENTS).map(component).collect::<Result<Vec<_>, Error>>()?;
-        Ok(std::array::from_fn(|k| G::Value::from_components(|c| alpha[c][k])))
+        let alpha = std::array::from_fn(|k| G::Value::from_components(|c| alpha[c][k]));
+        Ok(Tuned { alpha, steps, evaluations })
     }
 
     /// Σ α D of a pair that has been walked.
     #[inline]
     pub(super) fn controlled(&self, cell: usize, memory: &Memory<G, K>) -> G::Value {
-        let Some(alpha) = self.alpha.get(cell) else { return G::Value::ZERO };
+        let Some(tuned) = self.tuned.get(cell) else { return G::Value::ZERO };
         let controls = self.controls(cell, memory);
-        alpha.iter().zip(controls).fold(G::Value::ZERO, |sum, (a, d)| sum + a.scale(d))
+        tuned.alpha.iter().zip(controls).fold(G::Value::ZERO, |sum, (a, d)| sum + a.scale(d))
     }
 
     /// D of all strategies, by order, then by s.
@@ -110,9 +121,12 @@ where
         controls
     }
 
-    /// Adds r_k of the path that strategy (s, t) has found to every D_k of its order, and takes 1 from its own.
+    /// Adds r_k of the path that strategy (s, t) has found to every D_k of its order, and takes 1 from its own; not along Dirac parts.
     fn found(&self, cell: usize, (s, t): (usize, usize), memory: &Memory<G, K>, controls: &mut [f64]) {
         let (eye, light, kernel) = (&memory.eye[..t], &memory.light[..s], self.equation.kernel());
+        if !(eye.iter().all(|v| v.regular) && light.iter().all(|v| v.regular)) {
+            return;
+        }
         let (eye, light) = match (eye.last(), light.last()) {
             (Some(x), None) => {
                 let q = self.equation.source().emit_pdf(&kernel.forward(&x.state, Beyond::Start));

@@ -1,6 +1,6 @@
 //! A backward and a forward walk, and what each is to the other.
 
-use super::optimal::CONTROLS;
+use super::optimal::Tuned;
 use super::path::{Fault, Matrix, Vertex, survival_at, walk};
 use super::weights::{Side, accumulate, weight};
 use super::{Beyond, Connect, Meet, Strategies};
@@ -61,7 +61,7 @@ pub struct PairEstimator<'a, G: Source, K: HasAdjoint, D, E, F> {
     pub(super) share: u64,
     pub(super) max_steps: u64,
     /// of every cell; none without a pilot
-    pub(super) alpha: Vec<[G::Value; CONTROLS]>,
+    pub(super) tuned: Vec<Tuned<G::Value>>,
 }
 
 /// The memory of a pair.

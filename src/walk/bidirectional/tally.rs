@@ -36,7 +36,7 @@ where
     /// remain.
     #[must_use]
     pub fn shared(mut self) -> SharedPairs<'a, G, K, D, E, F> {
-        self.alpha.clear();
+        self.tuned.clear();
         self.share = if D::EXTENDED { self.detector.cells() as u64 } else { 1 };
         SharedPairs(self)
     }

@@ -50,6 +50,20 @@ use crate::value::Weight;
 /// # Ok::<(), fredholm::Error>(())
 /// ```
 ///
+/// A kernel that can only be walked cannot be connected with a detector, and has no kernel tally:
+///
+/// ```compile_fail
+/// use fredholm::{Equation, Error, Forward, domain::Interval, kernel::*, sampling::Sampler, source::source_fn};
+/// struct Mirror;
+/// impl Operator for Mirror { type Point = f64; type Weight = f64; }
+/// impl Transition for Mirror {
+///     fn step<S: Sampler>(&self, x: &f64, _: &mut S) -> Option<Step<f64, f64>> { Some(Step::singular(1.0 - x, 0.5)) }
+/// }
+/// impl HasAdjoint for Mirror { type Adjoint = Mirror; fn adjoint(&self) -> Result<Mirror, Error> { Ok(Mirror) } }
+/// let eq = Equation::new(source_fn(Interval::from(0.0..=1.0), |_: &f64| 1.0), Mirror);
+/// let f = eq.at(0.5).solve(&Forward::next_event());         // `Mirror` cannot be evaluated, only walked
+/// ```
+///
 /// Collisions with a point are not a question:
 ///
 /// ```compile_fail
