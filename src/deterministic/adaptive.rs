@@ -1,24 +1,24 @@
 //! A tolerance instead of a rule.
 //!
 //! 0. The kernel is [classified](super::classify), or the user's word taken: what is not smooth on the diagonal goes straight to panels.
-//! 1. Gauss–Legendre on the whole domain, doubled while it converges geometrically: smooth kernels end here. Where K or g is singular at an
-//!    [end](super::ends), [double-exponential](super::double_exponential) nodes instead.
+//! 1. Gauss–Legendre on the whole domain, half as many nodes again while it converges geometrically: smooth kernels end here. Where K or g is singular at an
+//!    [end](super::ends), [double-exponential](super::double_exponential) nodes instead; equidistant ones where both continue periodically.
 //! 2. In one dimension, else: panels with product integration towards the diagonal. A panel is cut where the Legendre tail of f, weighted by the mass
 //!    of K on it, or the tail of K(x, ·) for x elsewhere is above the tolerance (both: the kernel, not only f, sets the error of a rule). Towards the
 //!    ends of the domain, where f may be singular, the Nyström interpolant of one coarse solve plans several cuts at once.
 //!    What to cut is [`refine`](super::refine)'s.
-//!    Jumps of K along lines y = x + c or x + y = c are found, and rows integrated towards them ([`lines`](super::lines)).
+//!    Jumps and kinks of K along lines y = x + c or x + y = c are found, and rows integrated towards them ([`lines`](super::lines)).
 //! 3. Accepted only after the checks of [`verify`](super::verify). Otherwise [`Error::NotConverged`].
 //!
 //! References: Atkinson, *The numerical solution of integral equations of the second kind* (1997), ch. 4; Kress, *Linear integral equations*, ch. 12.
 
-use super::class::{Diagonal, classify};
-use super::ends::{Ends, Tail, tail};
+use super::class::{Diagonal, classified};
+use super::ends::{Ends, Tail, is_periodic, tail};
 use super::factorised::Factorised;
 use super::grid::Grid;
-use super::jumps::jumps;
+use super::jumps::{along_rows, jumps};
 use super::lines::{Line, kinks, lines};
-use super::nystrom::{Nystrom, graded_breaks};
+use super::nystrom::Nystrom;
 use super::solution::NystromSolution;
 use super::verify::{self, Verdict, rounding, verify};
 use crate::domain::Domain;
@@ -28,20 +28,12 @@ use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::source::Source;
 use crate::value::{Value, Weight};
 
-/// Order of the panels, and of the solve that verifies them.
-const ORDER: usize = 16;
-const VERIFYING: usize = ORDER + 4;
-/// Where rounding of K may cost this share of the tolerance, rounding of the elimination is taken out.
-const ILL_CONDITIONED: f64 = 1e-3;
-/// An error that falls by less than this when all panels are halved is one of rounding.
-const STAGNANT: f64 = 0.3;
 /// Two solves that differ by less than this share of f have found its size.
 const SETTLED: f64 = 1e-3;
-/// Least error that panels report, as a share of the tolerance: three unresolved tails.
-const PROMISED: f64 = 3.0 * SHARE;
+/// On infinite domains ‖(I − T_n)⁻¹‖ that grows by this with the order of the rule grows without end.
+const APPROACHED: f64 = 1.1;
 /// A tail counts as resolved below this share of the tolerance: there are many panels.
 pub(super) const SHARE: f64 = 0.1;
-const ROUNDS: usize = 24;
 
 pub(super) fn solve<G, K>(
     equation: &Equation<G, K>,
@@ -68,6 +60,7 @@ where
         ends: Ends::default(),
         tail: None,
         lines: Vec::new(),
+        periodic: false,
     };
     if equation.kernel().domain().dimension() > 1 {
         let tensor = search.globally(tensor_orders(equation.kernel().domain().dimension()), |domain, order| Grid::plain(domain, 1, order));
@@ -79,11 +72,16 @@ where
         };
         return found.ok_or_else(|| search.failure());
     }
-    let class = classify(equation.kernel())?;
-    search.ends = Ends::of(equation);
+    let (class, ends) = classified(equation.kernel())?;
+    search.ends = Ends::of(equation, ends);
     search.tail = tail(equation.kernel());
-    search.lines = lines(equation.kernel());
-    let segments = joined(segments, jumps(equation));
+    if let Some(Tail { power, mass: f64::INFINITY }) = search.tail {
+        return Err(Error::SlowDecay { power, mass: f64::INFINITY, error: f64::INFINITY, tolerance });
+    }
+    search.periodic = class.periodic && is_periodic(equation);
+    let rows = along_rows(equation.kernel());
+    search.lines = lines(equation.kernel().domain(), &rows);
+    let segments = joined(segments, jumps(equation, &rows));
     let kinks = kinks(&search.lines, &segments);
     let segments = joined(segments, kinks);
     let diagonal = settings.declared.unwrap_or(class.diagonal);
@@ -96,7 +94,13 @@ where
 }
 
 /// Orders of global rules along a coordinate.
-const GAUSS: [usize; 5] = [12, 24, 48, 96, 192];
+const GAUSS: [usize; 8] = [10, 16, 24, 36, 54, 80, 120, 180];
+/// Beyond this order an error must fall from one to the next to less than this.
+const PATIENCE: usize = 40;
+const PERIODIC_PATIENCE: usize = 600;
+const SLOW: f64 = 0.1;
+/// Of periodic kernels: a peak of width w takes 5/w nodes.
+const EQUIDISTANT: [usize; 11] = [10, 16, 32, 64, 128, 256, 512, 1024, 2048, 3000, 4000];
 const DOUBLE_EXPONENTIAL: [usize; 4] = [32, 64, 128, 256];
 
 fn tensor_orders(dimension: usize) -> &'static [usize] {
@@ -136,13 +140,15 @@ pub(super) struct Search<'a, G, K> {
     pub(super) equation: &'a Equation<G, K>,
     tolerance: f64,
     most: usize,
-    evaluations: u64,
+    pub(super) evaluations: u64,
     /// of the best attempt
     error: f64,
     largest: usize,
     pub(super) ends: Ends,
     tail: Option<Tail>,
-    lines: Vec<Line>,
+    pub(super) lines: Vec<Line>,
+    /// K and g continue periodically
+    periodic: bool,
 }
 
 impl<G, K> Search<'_, G, K>
@@ -155,14 +161,14 @@ where
         self.equation.kernel().domain()
     }
 
-    fn attempt(&mut self, grid: Grid<K::Point>) -> Result<NystromSolution<G, K>, Error> {
+    pub(super) fn attempt(&mut self, grid: Grid<K::Point>) -> Result<NystromSolution<G, K>, Error> {
         let f = Factorised::on_grid(self.equation.kernel(), grid)?.solve(self.equation.source())?;
         self.evaluations += f.evaluations();
         Ok(f)
     }
 
     /// Whether the limit of unknowns allows that many nodes; they count as tried.
-    fn affordable(&mut self, nodes: f64) -> bool {
+    pub(super) fn affordable(&mut self, nodes: f64) -> bool {
         let unknowns = nodes * self.domain().states() as f64 * G::Value::COMPONENTS as f64;
         self.largest = self.largest.max(unknowns as usize);
         unknowns <= self.most as f64
@@ -172,10 +178,14 @@ where
         self.tolerance * f.bulk().max(1.0)
     }
 
-    fn verified(&mut self, coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> Result<Verdict, Error> {
+    pub(super) fn verified(&mut self, coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> Result<Verdict, Error> {
         let allowed = self.allowed(fine);
         let mut verdict = verify(self.equation, coarse, fine, allowed)?;
         let rounding = verify::ROUNDING * rounding(fine);
+        // the farther nodes reach, the closer 1 comes to the spectrum
+        if !self.domain().volume().is_finite() && rounding > allowed && fine.inverse_norm() > APPROACHED * coarse.inverse_norm() {
+            return Err(Error::ContinuousSpectrum { rcond: fine.rcond(), unknowns: fine.unknowns() });
+        }
         // the same f twice, and no finer rule can do better
         if rounding > allowed && verdict.error <= (SETTLED * fine.bulk()).max(rounding) {
             return Err(Error::IllConditioned {
@@ -216,6 +226,11 @@ where
         if self.ends.are_for_double_exponential(self.domain()) {
             return self.globally(&DOUBLE_EXPONENTIAL, Grid::double_exponential);
         }
+        if self.periodic
+            && let Some(found) = self.globally(&EQUIDISTANT, Grid::equidistant)?
+        {
+            return Ok(Some(found));
+        }
         if self.ends.rows == [false; 2] { self.globally(&GAUSS, |domain, order| Grid::plain(domain, 1, order)) } else { Ok(None) }
     }
 
@@ -242,47 +257,13 @@ where
                     return Ok(Some(fine.with_error(error, self.evaluations)));
                 }
                 // not geometric: panels will do better
-                if dimension == 1 && order > orders[1] && error > 0.03 * change {
+                let patience = if fine.system().grid.is_equidistant() { PERIODIC_PATIENCE } else { PATIENCE };
+                if dimension == 1 && order > patience && error > SLOW * change {
                     return Ok(None);
                 }
                 change = error;
             }
             last = Some(fine);
-        }
-        Ok(None)
-    }
-
-    fn by_panels(&mut self, segments: &[f64]) -> Result<Option<NystromSolution<G, K>>, Error> {
-        let mut breaks = graded_breaks(segments, 4, 0);
-        let mut last = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            if !self.affordable((breaks.len() - 1) as f64 * VERIFYING as f64) {
-                return Ok(None);
-            }
-            let coarse =
-                self.attempt(Grid::panelled(self.domain(), breaks.clone(), ORDER)?.towards(self.ends).across(self.lines.clone()))?;
-            let finer = self.refine(&coarse, segments)?;
-            if finer.len() > breaks.len() {
-                breaks = finer;
-                continue;
-            }
-            let mut fine =
-                self.attempt(Grid::panelled(self.domain(), breaks.clone(), VERIFYING)?.towards(self.ends).across(self.lines.clone()))?;
-            if rounding(&fine) > ILL_CONDITIONED * self.allowed(&fine) {
-                fine = fine.refined()?;
-            }
-            let verdict = self.verified(&coarse, &fine)?;
-            if verdict.error <= self.allowed(&fine) {
-                // panels resolve f to a share of the tolerance: nothing below is promised, however close two solves come
-                let promised = verdict.error.max(PROMISED * self.allowed(&fine));
-                return Ok(Some(fine.with_error(promised, self.evaluations)));
-            }
-            // resolved, and no better than before: rounding
-            if verdict.doubtful.is_empty() && verdict.error > STAGNANT * last {
-                return Ok(None);
-            }
-            last = verdict.error;
-            breaks = halved(&breaks, &verdict.doubtful);
         }
         Ok(None)
     }
@@ -309,16 +290,4 @@ fn joined(mut segments: Vec<f64>, found: Vec<f64>) -> Vec<f64> {
     }
     segments.sort_by(f64::total_cmp);
     segments
-}
-
-/// The doubtful panels halved, all if none is doubtful.
-fn halved(breaks: &[f64], doubtful: &[usize]) -> Vec<f64> {
-    let mut out = vec![breaks[0]];
-    for (p, ends) in breaks.windows(2).enumerate() {
-        if doubtful.is_empty() || doubtful.contains(&p) {
-            out.push(0.5 * (ends[0] + ends[1]));
-        }
-        out.push(ends[1]);
-    }
-    out
 }

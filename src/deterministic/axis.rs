@@ -32,10 +32,13 @@ impl Axis {
             Axis::DoubleExponential(rule) => return rule.values(u, out),
             Axis::Trapezoid(n) => *n,
         };
+        let step = std::f64::consts::PI / n as f64;
+        let ((mut s, mut c), (s1, c1)) = ((std::f64::consts::PI * u - 0.5 * step).sin_cos(), step.sin_cos());
         let mut sum = 0.0;
         for k in 0..n {
-            let angle = std::f64::consts::PI * (u - (k as f64 + 0.5) / n as f64);
-            let d = if n.is_multiple_of(2) { angle.tan() } else { angle.sin() };
+            let d = if n.is_multiple_of(2) { s / c } else { s };
+            // one node on
+            (s, c) = (s * c1 - c * s1, c * c1 + s * s1);
             if d.abs() < f64::MIN_POSITIVE {
                 out.fill(0.0);
                 out[k] = 1.0;

@@ -71,19 +71,21 @@ impl Basis {
 
     /// ℓ_k(u) for all k.
     pub(crate) fn values(&self, u: f64, out: &mut [f64]) {
-        let mut sum = 0.0;
-        for (k, (n, s)) in self.rule.iter().zip(&self.scale).enumerate() {
-            let d = u - n.point;
-            if d.abs() < f64::MIN_POSITIVE {
-                // at a node the basis is an indicator; 1/d of a subnormal number overflows
-                out.fill(0.0);
-                out[k] = 1.0;
-                return;
-            }
-            out[k] = s / d;
-            sum += out[k];
+        let mut closest = f64::INFINITY;
+        for (o, n) in out.iter_mut().zip(&self.rule) {
+            *o = u - n.point;
+            closest = closest.min(o.abs());
         }
-        out.iter_mut().for_each(|o| *o /= sum);
+        if closest < f64::MIN_POSITIVE {
+            // at a node the basis is an indicator; 1/d of a subnormal number overflows
+            out.iter_mut().for_each(|o| *o = if o.abs() < f64::MIN_POSITIVE { 1.0 } else { 0.0 });
+            return;
+        }
+        let mut sum = 0.0;
+        out.iter_mut().zip(&self.scale).for_each(|(o, s)| *o = s / *o);
+        out.iter().for_each(|o| sum += o);
+        let share = 1.0 / sum;
+        out.iter_mut().for_each(|o| *o *= share);
     }
 
     /// Integrals against ℓ_k, added to `out`, from those against P_n(2u − 1); both hold `width` numbers a function.
@@ -100,10 +102,7 @@ impl Basis {
     /// The two last ones together, so that an even or odd function cannot hide.
     pub(crate) fn tail(&self, values: &[f64]) -> f64 {
         let p = self.len();
-        let coefficient = |degree: usize| {
-            let sum: f64 = self.rule.iter().zip(values).map(|(n, v)| n.weight * v * legendre(degree, 2.0 * n.point - 1.0)).sum();
-            (2 * degree + 1) as f64 * sum
-        };
+        let coefficient = |degree: usize| -> f64 { values.iter().enumerate().map(|(k, v)| v * self.legendre[k * p + degree]).sum() };
         (p.saturating_sub(2)..p).map(|d| coefficient(d).abs()).fold(0.0, f64::max)
     }
 }

@@ -11,13 +11,13 @@
 
 use super::ends::Ends;
 use super::near::components;
+use super::side::{Side, cross_rank};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
 use crate::sampling::{Pcg, Sampler, Sequence};
 use crate::value::Weight;
 use nalgebra::DMatrix;
-use std::fmt;
 
 /// How K(x, y) behaves at y = x, in order of difficulty.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -82,49 +82,6 @@ impl Diagonal {
     }
 }
 
-impl fmt::Display for Diagonal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Diagonal::Smooth => write!(f, "smooth"),
-            Diagonal::Peaked { width } => write!(f, "peaked on the diagonal, half width {width:.1e} of the domain"),
-            Diagonal::Kink => write!(f, "a kink on the diagonal"),
-            Diagonal::Jump => write!(f, "a jump on the diagonal"),
-            Diagonal::Logarithmic => write!(f, "logarithmic on the diagonal"),
-            Diagonal::Algebraic { exponent } if *exponent > 0.0 => write!(f, "|x − y|^−{exponent:.2} on the diagonal"),
-            Diagonal::Algebraic { exponent } => write!(f, "|x − y|^{:.2} on the diagonal", -exponent),
-            Diagonal::NotIntegrable { exponent } => write!(f, "|x − y|^−{exponent:.2} on the diagonal: not integrable"),
-        }
-    }
-}
-
-impl fmt::Display for KernelClass {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.diagonal)?;
-        if self.toeplitz {
-            write!(f, ", a function of x − y")?;
-        }
-        if self.symmetric && !self.toeplitz {
-            write!(f, ", symmetric")?;
-        }
-        if self.periodic {
-            write!(f, ", periodic")?;
-        }
-        if let Some(rank) = self.rank {
-            write!(f, ", rank {rank}")?;
-        }
-        match self.singular_ends {
-            [true, true] => write!(f, ", singular in y at both ends")?,
-            [true, false] => write!(f, ", singular in y at the lower end")?,
-            [false, true] => write!(f, ", singular in y at the upper end")?,
-            [false, false] => {}
-        }
-        if let Some(h) = self.half_wave {
-            write!(f, ", oscillating with half waves of {h:.1e} of the domain")?;
-        }
-        Ok(())
-    }
-}
-
 /// Places x and distances 2^{−k} of the room on each side.
 pub(super) const PLACES: [f64; 8] = [0.0731, 0.1877, 0.3119, 0.4271, 0.5393, 0.6637, 0.7919, 0.9283];
 const FINEST: i32 = 40;
@@ -133,7 +90,7 @@ pub(super) const NOISE: f64 = 1e-9;
 /// A peak narrower than this counts as one.
 const NARROW: f64 = 0.06;
 /// Most rank that is worth a word, and the size of the sample it is found on.
-const MOST_RANK: usize = 24;
+pub(super) const MOST_RANK: usize = 24;
 const SAMPLE: usize = 40;
 
 /// Probes a kernel on a one-dimensional domain (times groups) by some thousands of values.
@@ -149,6 +106,11 @@ const SAMPLE: usize = 40;
 /// # Errors
 /// [`Error::Invalid`] for more than one dimension; [`Error::NonFiniteKernel`] with the place where K is not finite on the way to the diagonal.
 pub fn classify<K: Kernel + HasDomain>(kernel: &K) -> Result<KernelClass, Error> {
+    Ok(classified(kernel)?.0)
+}
+
+/// The same with what is singular at the ends.
+pub(super) fn classified<K: Kernel + HasDomain>(kernel: &K) -> Result<(KernelClass, Ends), Error> {
     let domain = kernel.domain();
     domain.validate()?;
     if domain.dimension() != 1 {
@@ -168,15 +130,17 @@ pub fn classify<K: Kernel + HasDomain>(kernel: &K) -> Result<KernelClass, Error>
     }
     let linear = domain.volume().is_finite();
     let smooth = matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { .. });
-    Ok(KernelClass {
+    let ends = Ends::of_kernel(kernel);
+    let class = KernelClass {
         diagonal,
         toeplitz: linear && values.same(|t, u, h| ((t, u), (t + h, u + h))),
         symmetric: values.same(|t, u, _| ((t, u), (u, t))),
         periodic: linear && smooth && values.periodic(),
         rank: if smooth { values.rank() } else { None },
-        singular_ends: Ends::of_kernel(kernel).rows,
+        singular_ends: ends.rows,
         half_wave: values.half_wave(),
-    })
+    };
+    Ok((class, ends))
 }
 
 struct Values<'a, K> {
@@ -287,13 +251,11 @@ impl<K: Kernel + HasDomain> Values<'_, K> {
         if matrix.iter().any(|k| k.is_nan()) {
             return None;
         }
-        let values = matrix.singular_values();
-        let rank = values.iter().filter(|s| **s > 1e-12 * values[0]).count();
-        (rank <= MOST_RANK).then_some(rank)
+        cross_rank(matrix)
     }
 
     fn half_wave(&self) -> Option<f64> {
-        const STEPS: usize = 2048;
+        const STEPS: usize = 512;
         let mut most = 0;
         for t in [PLACES[1], PLACES[5]] {
             let (mut last, mut zeros) = (0.0f64, 0);
@@ -307,53 +269,4 @@ impl<K: Kernel + HasDomain> Values<'_, K> {
         }
         (most > 8).then(|| 1.0 / most as f64)
     }
-}
-
-/// K towards the diagonal from one side.
-enum Side {
-    /// A limit, the slope against the distance, and the distance at which half of the limit is left (1 if nowhere).
-    Limit {
-        value: f64,
-        slope: f64,
-        half: f64,
-    },
-    Singular(Diagonal),
-}
-
-impl Side {
-    fn of(distances: &[f64], values: &[f64]) -> Self {
-        let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let value = values.last().copied().unwrap_or(0.0);
-        let Some((growth, first)) = growth(values, NOISE * size) else {
-            return Side::Limit { value, slope: 0.0, half: half(distances, values) };
-        };
-        let step = values[first + 4] - values[first + 3];
-        let exponent = growth.log2();
-        // differences that fall like r² or faster: the slope is 0
-        let slope = if growth < 0.35 { 0.0 } else { step / (distances[first + 4] - distances[first + 3]) };
-        match growth {
-            g if g >= 2f64.powf(0.985) => Side::Singular(Diagonal::NotIntegrable { exponent }),
-            g if (g - 1.0).abs() < 0.02 => Side::Singular(Diagonal::Logarithmic),
-            // r ln r comes close to ½ slowly
-            g if g > 0.57 => Side::Singular(Diagonal::Algebraic { exponent }),
-            _ => Side::Limit { value, slope, half: half(distances, values) },
-        }
-    }
-}
-
-/// By what the differences of values along halved distances grow in the deepest four in a row above `noise`, and the first of them.
-pub(super) fn growth(values: &[f64], noise: f64) -> Option<(f64, usize)> {
-    let steps: Vec<f64> = values.windows(2).map(|v| v[1] - v[0]).collect();
-    let above = |w: &[f64]| w.iter().all(|d| d.abs() > noise);
-    let first = (0..steps.len().saturating_sub(3)).rev().find(|&k| above(&steps[k..k + 4]))?;
-    Some((((steps[first + 3] / steps[first]).abs().ln() / 3.0).exp(), first))
-}
-
-/// The largest distance below which all values keep more than half of the innermost one.
-fn half(distances: &[f64], values: &[f64]) -> f64 {
-    let top = values.last().map_or(0.0, |v| v.abs());
-    if top == 0.0 {
-        return 1.0;
-    }
-    distances.iter().zip(values).rev().find(|(_, v)| v.abs() < 0.5 * top).map_or(1.0, |(r, _)| *r)
 }

@@ -5,8 +5,9 @@
 //! (1 − y²)^{β(x)} then cost nothing of the order. Where x is on the same panel, the pieces meet half way between x and the end.
 
 use super::basis::Basis;
-use super::class::{NOISE, PLACES, growth};
+use super::class::{NOISE, PLACES};
 use super::near::{Target, components};
+use super::side::growth;
 use crate::domain::{Domain, Point};
 use crate::equation::Equation;
 use crate::error::Error;
@@ -38,14 +39,15 @@ pub(crate) struct Ends {
 }
 
 impl Ends {
-    pub(super) fn of<G, K>(equation: &Equation<G, K>) -> Self
+    /// With those of g; those of the kernel are known.
+    pub(super) fn of<G, K>(equation: &Equation<G, K>, of_kernel: Ends) -> Self
     where
         G: Source,
         K: Kernel + HasDomain + Operator<Point = G::Point>,
         K::Weight: Weight<Value = G::Value>,
     {
         let domain = equation.kernel().domain();
-        let mut ends = Ends::of_kernel(equation.kernel());
+        let mut ends = of_kernel;
         for (i, end) in [0.0, 1.0].into_iter().enumerate().filter(|(_, end)| is_end(domain, *end)) {
             let along = Approach::to(domain, end);
             for (state, e) in (0..domain.states()).flat_map(|s| (0..G::Value::COMPONENTS).map(move |e| (s, e))) {
@@ -118,6 +120,21 @@ impl Ends {
 /// Whether functions may be singular at coordinate `end`: not at infinity, nor where they continue periodically.
 fn is_end<D: Domain>(domain: &D, end: f64) -> bool {
     domain.dimension() == 1 && !domain.is_periodic(0) && domain.place(0, || end).weight.is_finite()
+}
+
+/// Whether g is the same at both ends.
+pub(super) fn is_periodic<G, K>(equation: &Equation<G, K>) -> bool
+where
+    G: Source,
+    K: HasDomain + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+{
+    const SAME: f64 = 1e-11;
+    let domain = equation.kernel().domain();
+    (0..domain.states()).all(|state| {
+        let [a, b] = [0.0, 1.0].map(|t| equation.source().eval(&domain.place(state, || t).point));
+        (a + b.scale(-1.0)).magnitude() <= SAME * a.magnitude().max(b.magnitude())
+    })
 }
 
 /// What K has beyond the outermost panels of an infinite domain.

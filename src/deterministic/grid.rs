@@ -1,17 +1,13 @@
-//! Nodes of a quadrature rule on a domain, and rows of the operator on them.
+//! Nodes of a quadrature rule on a domain; rows of the operator on them are in [`rows`](super::rows), interpolants in [`stencil`](super::stencil).
 
 use super::axis::Axis;
 use super::basis::Basis;
 use super::double_exponential::DoubleExponential;
-use super::ends::{self, Ends};
-use super::erased::erased;
+use super::ends::Ends;
 use super::lines::Line;
-use super::near::{Target, components, nearer_end};
+use super::near::nearer_end;
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
-use crate::kernel::{HasDomain, Kernel};
-use crate::parallel;
-use crate::value::Weight;
 
 /// Largest dense system that is tried: 8 n² bytes.
 const MOST_UNKNOWNS: usize = 16_384;
@@ -24,9 +20,9 @@ pub(crate) struct Grid<X> {
     pub(crate) nodes: Vec<Node<X>>,
     pub(super) panels: Option<Panels>,
     /// of each coordinate, where the rule is a single tensor product
-    tensor: Option<Vec<Axis>>,
+    pub(super) tensor: Option<Vec<Axis>>,
     /// order of the rules around x by which rows are integrated
-    centred: Option<usize>,
+    pub(super) centred: Option<usize>,
     /// where rows are integrated towards ends of the domain
     pub(super) ends: Ends,
     /// where rows are integrated towards lines
@@ -39,20 +35,7 @@ pub(crate) struct Panels {
     pub(crate) breaks: Vec<f64>,
     pub(crate) basis: Basis,
     /// rule for a piece of a near panel
-    pieces: Basis,
-}
-
-/// Value of an interpolant at one place: Σ weights_k value(first + k).
-#[derive(Clone, Debug)]
-pub(crate) struct Stencil {
-    pub(crate) first: usize,
-    weights: Vec<f64>,
-}
-
-impl Stencil {
-    pub(crate) fn apply(&self, value: impl Fn(usize) -> f64) -> f64 {
-        self.weights.iter().enumerate().map(|(k, w)| w * value(self.first + k)).sum()
-    }
+    pub(super) pieces: Basis,
 }
 
 impl Panels {
@@ -85,6 +68,29 @@ impl<X: Point> Grid<X> {
         let axis = |a: usize| if domain.is_periodic(a) { Axis::Trapezoid(order) } else { Axis::Gauss(Box::new(Basis::gauss(order))) };
         let tensor = (panels == 1).then(|| (0..domain.dimension()).map(axis).collect());
         Ok(Grid { nodes: domain.rule(panels, order), panels: None, tensor, centred: None, ends: Ends::default(), lines: Vec::new() })
+    }
+
+    /// `order` equidistant nodes of a one-dimensional domain, for functions that continue periodically.
+    pub(super) fn equidistant<D: Domain<Point = X>>(domain: &D, order: usize) -> Result<Self, Error> {
+        check_size(order as f64 * domain.states() as f64)?;
+        let node = |state: usize, k: usize| {
+            let placed = domain.place(state, || (k as f64 + 0.5) / order as f64);
+            Node { point: placed.point, weight: placed.weight / order as f64 }
+        };
+        let nodes = (0..domain.states()).flat_map(|s| (0..order).map(move |k| (s, k))).map(|(s, k)| node(s, k)).collect();
+        Ok(Grid {
+            nodes,
+            panels: None,
+            tensor: Some(vec![Axis::Trapezoid(order)]),
+            centred: None,
+            ends: Ends::default(),
+            lines: Vec::new(),
+        })
+    }
+
+    /// Whether all nodes are equidistant.
+    pub(super) fn is_equidistant(&self) -> bool {
+        matches!(self.tensor.as_deref(), Some([Axis::Trapezoid(_)]))
     }
 
     /// The domain's tensor rule, with rows by rules around x.
@@ -132,12 +138,6 @@ impl<X: Point> Grid<X> {
         Grid { lines, ..self }
     }
 
-    /// Coordinates where the row at a target crosses lines in or near a panel.
-    fn crossings<K: Kernel<Point = X> + HasDomain>(&self, target: &Target<'_, K>, (a, b): (f64, f64)) -> impl Iterator<Item = f64> {
-        let t = target.place();
-        self.lines.iter().filter_map(move |line| line.crossing(t)).filter(move |u| (a - u).max(u - b) < b - a)
-    }
-
     /// Coordinates between which f is one piece: ends of panels, or double-exponential nodes.
     pub(crate) fn cuts(&self) -> Vec<f64> {
         match (&self.panels, self.tensor.as_deref()) {
@@ -150,14 +150,6 @@ impl<X: Point> Grid<X> {
     /// Whether the values at the nodes are those of functions that may be singular at the ends.
     pub(crate) fn is_double_exponential(&self) -> bool {
         matches!(self.tensor.as_deref(), Some([Axis::DoubleExponential(_)]))
-    }
-
-    /// Whether the row at a target is integrated piece by piece on panel `p`.
-    pub(crate) fn is_product<K: Kernel<Point = X> + HasDomain>(&self, target: &Target<'_, K>, p: usize) -> bool {
-        self.panels.as_ref().is_some_and(|panels| {
-            let near = target.is_near(panels.panel(p)) || self.crossings(target, panels.panel(p)).next().is_some();
-            near || self.ends.at(p, panels.count()).is_some()
-        })
     }
 
     /// Gauss–Legendre nodes of `order` on every panel of a one-dimensional domain; `breaks` ascend from 0 to 1.
@@ -195,132 +187,9 @@ impl<X: Point> Grid<X> {
         self.panels.as_ref()
     }
 
-    /// What the polynomials through values at the nodes are at x, panel by panel or over the whole cube; `None` for composite rules.
-    pub(crate) fn stencil<D: Domain<Point = X>>(&self, domain: &D, x: &X) -> Option<Stencil> {
-        let per_state = self.nodes.len() / domain.states();
-        let first = domain.state(x) * per_state;
-        if let Some(panels) = &self.panels {
-            let t = domain.coordinate(x, 0);
-            let p = panels.at(t);
-            let (a, b) = panels.panel(p);
-            let mut weights = vec![0.0; panels.basis.len()];
-            panels.basis.values((t - a) / (b - a), &mut weights);
-            return Some(Stencil { first: first + p * weights.len(), weights });
-        }
-        // rounding is all that sinc functions leave of what is close to an end
-        const EDGE: f64 = 1e-6;
-        if self.is_double_exponential() && !(EDGE..=1.0 - EDGE).contains(&domain.coordinate(x, 0)) {
-            return None;
-        }
-        let mut weights = vec![1.0];
-        for (a, axis) in self.tensor.as_ref()?.iter().enumerate() {
-            let mut factors = vec![0.0; axis.len()];
-            axis.values(domain.coordinate(x, a), &mut factors);
-            // the first coordinate runs fastest, as in `Domain::rule`
-            weights = factors.iter().flat_map(|l| weights.iter().map(move |w| w * l)).collect();
-        }
-        Some(Stencil { first, weights })
-    }
-
     /// Whether f − g at x is to be had from values at the nodes alone: so close to an end where K(x, ·) is unbounded that rows cannot be trusted.
     pub(crate) fn is_held_off<D: Domain<Point = X>>(&self, domain: &D, x: &X) -> bool {
         self.panels.is_some() && self.ends.held_off(domain, x) != *x
-    }
-
-    /// The row of T at x: `out[(a n + j) c + b]` is the weight of component b of f(y_j) in component a of (Tf)(x). Returns kernel evaluations.
-    pub(crate) fn row<K>(&self, kernel: &K, x: &X, out: &mut [f64]) -> Result<u64, Error>
-    where
-        K: Kernel<Point = X> + HasDomain,
-    {
-        if let Some(order) = self.centred {
-            return self.around(kernel, x, order, out);
-        }
-        let Some(panels) = &self.panels else {
-            self.far(kernel, x, 0, self.nodes.len(), out)?;
-            return Ok(self.nodes.len() as u64);
-        };
-        let (c, n) = (components::<K>(), self.nodes.len());
-        let kernel_by_values = erased(kernel);
-        let x = &self.ends.held_off(kernel.domain(), x);
-        let target = Target::new(&kernel_by_values, x);
-        let p = panels.basis.len();
-        let mut block = vec![0.0; p * c * c];
-        let mut evaluations = 0;
-        for index in 0..n / p {
-            let (state, panel) = (index / panels.count(), panels.panel(index % panels.count()));
-            if !self.is_product(&target, index % panels.count()) {
-                self.far(kernel, x, index * p, p, out)?;
-                evaluations += p as u64;
-                continue;
-            }
-            block.fill(0.0);
-            let rules = (&panels.basis, &panels.pieces);
-            let mut towards: Vec<_> = self.crossings(&target, panel).map(|u| Target::towards(&kernel_by_values, x, u)).collect();
-            if !towards.is_empty() {
-                towards.extend(Some(target).filter(|target| target.is_near(panel)));
-                evaluations += ends::moments_among(towards, state, panel, rules, &mut block)?;
-            } else {
-                evaluations += match self.ends.at(index % panels.count(), panels.count()) {
-                    Some(end) => ends::moments(&target, end, state, panel, rules, &mut block)?,
-                    None => target.moments(state, panel, &panels.basis, &panels.pieces, &mut block)?,
-                };
-            }
-            for (l, entries) in block.chunks_exact(c * c).enumerate() {
-                entries.iter().enumerate().for_each(|(e, w)| out[((e / c) * n + index * p + l) * c + e % c] = *w);
-            }
-        }
-        Ok(evaluations)
-    }
-
-    /// ∫ K(x, y) ℓ_j(y) dμ(y) by a rule around x.
-    fn around<K>(&self, kernel: &K, x: &X, order: usize, out: &mut [f64]) -> Result<u64, Error>
-    where
-        K: Kernel<Point = X> + HasDomain,
-    {
-        let (domain, c, n) = (kernel.domain(), components::<K>(), self.nodes.len());
-        out.fill(0.0);
-        let rule = domain.around(x, order).unwrap_or_default();
-        for y in &rule {
-            let k = kernel.eval(x, &y.point);
-            if !k.entries_finite() {
-                return Err(Error::non_finite_kernel(x, &y.point, &k));
-            }
-            let Some(stencil) = self.stencil(domain, &y.point) else { continue };
-            for (l, weight) in stencil.weights.iter().enumerate() {
-                for e in 0..c * c {
-                    out[((e / c) * n + stencil.first + l) * c + e % c] += y.weight * weight * k.entry(e / c, e % c);
-                }
-            }
-        }
-        Ok(rule.len() as u64)
-    }
-
-    fn far<K: Kernel<Point = X>>(&self, kernel: &K, x: &X, first: usize, count: usize, out: &mut [f64]) -> Result<(), Error> {
-        let (c, n) = (components::<K>(), self.nodes.len());
-        for (j, y) in self.nodes.iter().enumerate().skip(first).take(count) {
-            let k = kernel.eval(x, &y.point);
-            if !k.entries_finite() {
-                return Err(Error::non_finite_kernel(x, &y.point, &k));
-            }
-            for e in 0..c * c {
-                out[((e / c) * n + j) * c + e % c] = y.weight * k.entry(e / c, e % c);
-            }
-        }
-        Ok(())
-    }
-
-    /// The matrix of T on the nodes, row by row, and the kernel evaluations it took.
-    pub(crate) fn matrix<K>(&self, kernel: &K) -> Result<(Vec<f64>, u64), Error>
-    where
-        K: Kernel<Point = X> + HasDomain,
-    {
-        let c = components::<K>();
-        let width = self.nodes.len() * c;
-        check_size(width as f64)?;
-        let mut matrix = vec![0.0; width * width];
-        let counts = parallel::chunks(&mut matrix, c * width, |i, row| self.row(kernel, &self.nodes[i].point, row));
-        let evaluations = counts.into_iter().sum::<Result<_, _>>()?;
-        Ok((matrix, evaluations))
     }
 }
 

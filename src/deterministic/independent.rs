@@ -5,6 +5,9 @@ use super::grid::Grid;
 use crate::domain::{Domain, Point};
 use crate::error::Error;
 
+/// Above so many equidistant nodes others of their kind check them.
+const MANY: f64 = 200.0;
+
 impl<X: Point> Grid<X> {
     /// A rule for the same domain that shares neither nodes nor order with this one.
     pub(crate) fn independent<D: Domain<Point = X>>(&self, domain: &D) -> Result<Self, Error> {
@@ -18,6 +21,8 @@ impl<X: Point> Grid<X> {
         }
         let per_axis = (self.nodes.len() as f64 / domain.states() as f64).powf(1.0 / domain.dimension().max(1) as f64);
         match domain.dimension() {
+            // panels would need as many nodes as the function has waves, and more
+            1 if self.is_equidistant() && per_axis > MANY => Grid::equidistant(domain, (1.1 * per_axis) as usize | 1),
             // towards the diagonal as well: a kink that the solve does not see must not hide here
             1 => Grid::panelled(domain, vec![0.0, 0.27, 0.55, 0.81, 1.0], (per_axis / 3.0).ceil() as usize + 7),
             _ if self.is_centred() => Grid::centred(domain, per_axis.round() as usize + 3),

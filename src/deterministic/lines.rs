@@ -1,13 +1,11 @@
-//! Lines y = x + c and x + y = c away from the diagonal along which K jumps or is singular, |x − y| < r: found from jumps of rows that move with x.
+//! Lines y = x + c and x + y = c away from the diagonal along which K jumps, has a kink or is singular, |x − y| < r: found from jumps of
+//! rows that move with x.
 //!
 //! Rows are integrated by pieces cut towards their crossing with a line as they are towards y = x; where a line meets an end of the domain, f may have a kink,
 //! and where it meets such a place a weaker one.
 
-use super::jumps::{OTHERS, of};
-use super::near::components;
+use super::jumps::OTHERS;
 use crate::domain::Domain;
-use crate::kernel::{HasDomain, Kernel};
-use crate::value::Weight;
 
 /// Offsets this close are one line.
 const SAME: f64 = 1e-9;
@@ -33,27 +31,19 @@ impl Line {
     }
 }
 
-/// Lines of a kernel on a finite interval: two of three rows must agree.
-pub(super) fn lines<K: Kernel + HasDomain>(kernel: &K) -> Vec<Line> {
-    let (domain, c) = (kernel.domain(), components::<K>());
+/// Lines of a kernel on a finite interval, from the jumps along its [rows](super::jumps::along_rows): two of three must agree.
+pub(super) fn lines<D: Domain>(domain: &D, rows: &[[Vec<f64>; 3]]) -> Vec<Line> {
     let mut found: Vec<Line> = Vec::new();
     if domain.stretch().is_none() {
         return found;
     }
-    for (states, e) in (0..domain.states().pow(2)).flat_map(|s| (0..c * c).map(move |e| (s, e))) {
-        let place = |state: usize, t: f64| domain.place(state, || t).point;
-        let (from, to) = (states / domain.states(), states % domain.states());
-        let rows = OTHERS.map(|t| of(Some(t), |u| kernel.eval(&place(from, t), &place(to, u)).entry(e / c, e % c)));
-        let lines = |slope: f64| {
-            let one = |i: usize| rows[i].iter().map(move |u| Line { slope, offset: u - slope * OTHERS[i] });
-            (0..OTHERS.len()).map(|i| one(i).collect::<Vec<_>>()).collect::<Vec<_>>()
-        };
-        for lists in [lines(1.0), lines(-1.0)] {
-            for line in lists.iter().flatten() {
-                let twice = lists.iter().filter(|list| list.iter().any(|l| l.is_like(*line))).count() >= 2;
-                if twice && !found.iter().any(|l| l.is_like(*line)) {
-                    found.push(*line);
-                }
+    for (rows, slope) in rows.iter().flat_map(|rows| [(rows, 1.0), (rows, -1.0)]) {
+        let of_row = |i: usize| rows[i].iter().map(|u| Line { slope, offset: u - slope * OTHERS[i] }).collect::<Vec<_>>();
+        let lists: Vec<Vec<Line>> = (0..OTHERS.len()).map(of_row).collect();
+        for line in lists.iter().flatten() {
+            let twice = lists.iter().filter(|list| list.iter().any(|l| l.is_like(*line))).count() >= 2;
+            if twice && !found.iter().any(|l| l.is_like(*line)) {
+                found.push(*line);
             }
         }
     }
@@ -82,14 +72,15 @@ pub(super) fn kinks(lines: &[Line], segments: &[f64]) -> Vec<f64> {
 mod tests {
     use super::{kinks, lines};
     use crate::Equation;
-    use crate::kernel::Proposed;
+    use crate::deterministic::jumps::along_rows;
+    use crate::kernel::HasDomain;
 
     #[test]
     fn lines_are_found_and_nothing_else() {
         type K = fn(f64, f64) -> f64;
         let of = |k: K| {
             let eq = Equation::on_interval(0.0..=2.0, |_| 1.0, k);
-            lines(Proposed::kernel(eq.kernel()))
+            lines(eq.kernel().domain(), &along_rows(eq.kernel()))
         };
         let band = of(|x, y| f64::from((x - y).abs() < 0.6));
         assert!(band.len() == 2 && band.iter().all(|l| l.slope == 1.0 && (l.offset.abs() - 0.3).abs() < 1e-15), "{band:?}");

@@ -1,7 +1,6 @@
 //! One panel, cut into pieces towards y = x; the method is [`near`](super::near)'s.
 
 use super::basis::Basis;
-use super::extrapolation::below;
 use super::near::{Target, components};
 use super::split::SplitRule;
 use crate::domain::Domain;
@@ -18,11 +17,6 @@ const TESTED: [u32; 5] = [0, 2, 5, 11, 19];
 const WIDE_PIECES: u32 = 3;
 /// Halvings after which the extrapolation may do: each test costs five pieces.
 const SETTLED: [u32; 3] = [23, 29, 35];
-/// Error of what is extrapolated, as a share of ∫ K over the panel.
-const EXTRAPOLATED: f64 = 2e-17;
-/// Halvings of r at which K must be what the extrapolation takes it for, and how closely.
-const BELOW: [i32; 4] = [2, 5, 9, 13];
-const FORESEEN: f64 = 1e-5;
 /// Shares of a side at which its interpolant is compared with K, and how closely: extrapolation to x multiplies rounding by the square of the order.
 const TOWARDS: [f64; 5] = [1.0 / 128.0, 1.0 / 4096.0, 1e-6, 1e-8, 1e-10];
 const INTERPOLATED: f64 = 1e-11;
@@ -30,15 +24,15 @@ const INTERPOLATED: f64 = 1e-11;
 const SMOOTH: f64 = 4e-15;
 
 pub(super) struct Pieces<'a, 'b, K: HasDomain> {
-    target: &'b Target<'a, K>,
-    state: usize,
+    pub(super) target: &'b Target<'a, K>,
+    pub(super) state: usize,
     /// from the target's origin
-    panel: (f64, f64),
-    basis: &'b Basis,
+    pub(super) panel: (f64, f64),
+    pub(super) basis: &'b Basis,
     rule: &'b Basis,
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     /// ∫ K P_n over the pieces so far
-    integrals: Vec<f64>,
+    pub(super) integrals: Vec<f64>,
     /// P_{n−1}, P_n and the argument at the nodes of the piece
     recurrence: Vec<[f64; 3]>,
     /// of the piece at hand, node by node: K dμ/dt, distances from x, shifts in units of the piece, weights
@@ -47,8 +41,8 @@ pub(super) struct Pieces<'a, 'b, K: HasDomain> {
     shifts: Vec<f64>,
     weights: Vec<f64>,
     /// ∫ K ℓ_k where it does not come from `integrals`
-    moments: Vec<f64>,
-    evaluations: u64,
+    pub(super) moments: Vec<f64>,
+    pub(super) evaluations: u64,
 }
 
 impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
@@ -172,66 +166,6 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
         Ok(())
     }
 
-    /// Distances from `nearest` to `farthest`, all below `s`: extrapolated from [s, 8s].
-    fn innermost(&mut self, sign: f64, nearest: f64, farthest: f64, s: f64) -> Result<(), Error> {
-        let (a, b) = self.panel;
-        let (c2, t) = (components::<K>().pow(2), self.target.t);
-        // within 8s of the domain's end the other side must serve
-        let reach = if self.target.reaches(sign, 8.0 * s) { sign } else { -sign };
-        let count = if self.target.reaches(reach, 16.0 * s) && 16.0 * s < self.target.scale { 4 } else { 3 };
-        for (e, means) in self.means(reach, s, count)?.into_iter().enumerate() {
-            let (whole, power) = below(&means).map_err(|ratio| self.not_integrable(ratio))?;
-            let share = (farthest / s).powf(power) - (nearest / s).powf(power);
-            // centre of the mass r^{power − 1} dr: a straight line is integrated exactly
-            let centre = nearest + (farthest - nearest) * power / (1.0 + power);
-            self.basis.values(((t + sign * centre - a) / (b - a)).clamp(0.0, 1.0), &mut self.values);
-            self.values.iter().enumerate().for_each(|(l, v)| self.moments[l * c2 + e] += s * whole * share * v);
-        }
-        Ok(())
-    }
-
-    fn not_integrable(&self, ratio: f64) -> Error {
-        let x = format!("{:?}", self.target.x);
-        match self.target.end {
-            Some(_) => Error::NotIntegrableAtEnd { x, end: format!("{:?}", self.target.centre), ratio },
-            None => Error::NotIntegrable { x, ratio },
-        }
-    }
-
-    /// Whether ∫ K over distances below s may be extrapolated: from [2s, 16s] it must come out as from [s, 8s], up to a share of what there is of K on the
-    /// panel, and K must go on as foreseen.
-    fn is_settled(&mut self, sign: f64, s: f64) -> Result<bool, Error> {
-        if !self.target.reaches(sign, 16.0 * s) {
-            return Ok(false);
-        }
-        let (c2, means) = (components::<K>().pow(2), self.means(sign, s, 4)?);
-        // the integrals against P₀ come first
-        for (means, panel) in means.into_iter().zip(&self.integrals) {
-            let (Ok((inner, _)), Ok((outer, _))) = (below(&means[..3]), below(&means[1..])) else {
-                return Ok(false);
-            };
-            if !(s * (2.0 * outer - inner - means[0]).abs() <= EXTRAPOLATED * panel.abs()) {
-                return Ok(false);
-            }
-        }
-        let mut values = vec![0.0; c2 * (3 + BELOW.len())];
-        for (k, out) in [-2, -1, 0].into_iter().chain(BELOW).zip(values.chunks_exact_mut(c2)) {
-            if self.target.density(self.state, sign, s * 0.5f64.powi(k), out)?.is_none() {
-                return Ok(false);
-            }
-        }
-        self.evaluations += (3 + BELOW.len()) as u64;
-        Ok((0..c2).all(|e| {
-            let k = |i: usize| values[i * c2 + e];
-            let (step, size) = (k(2) - k(1), k(0).abs().max(k(2).abs()));
-            let growth = if step.abs() > FORESEEN * FORESEEN * size { step / (k(1) - k(0)) } else { 0.5 };
-            BELOW.iter().enumerate().all(|(i, halvings)| {
-                let foreseen = k(2) + step * (1..=*halvings).map(|j| growth.powi(j)).sum::<f64>();
-                (k(3 + i) - foreseen).abs() <= FORESEEN * foreseen.abs().max(size)
-            })
-        }))
-    }
-
     /// Whether one piece integrates K over distances [0, outer] as well as two do, and its interpolant is K on the way to x: of a peak on the diagonal
     /// that is narrower than the innermost nodes, no integral tells.
     fn is_smooth(&mut self, sign: f64, outer: f64) -> Result<bool, Error> {
@@ -264,7 +198,7 @@ impl<'a, 'b, K: Kernel + HasDomain> Pieces<'a, 'b, K> {
     }
 
     /// Means of K dμ/dt over `count` distances [s, 2s], [2s, 4s], …, entry by entry.
-    fn means(&mut self, sign: f64, s: f64, count: usize) -> Result<Vec<Vec<f64>>, Error> {
+    pub(super) fn means(&mut self, sign: f64, s: f64, count: usize) -> Result<Vec<Vec<f64>>, Error> {
         let mut means = vec![Vec::with_capacity(count); components::<K>().pow(2)];
         let mut length = s;
         for _ in 0..count {

@@ -7,7 +7,6 @@ use super::quadrature::compensated_sum;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
-use crate::parallel;
 use crate::source::Source;
 use crate::value::{Value, Weight};
 use std::fmt;
@@ -18,23 +17,23 @@ use std::sync::{Arc, OnceLock};
 /// `Display` says how it was found.
 #[derive(Clone)]
 pub struct NystromSolution<G: Source, K: Operator> {
-    source: G,
-    system: Arc<System<K>>,
-    values: Vec<G::Value>,
+    pub(super) source: G,
+    pub(super) system: Arc<System<K>>,
+    pub(super) values: Vec<G::Value>,
     error: Option<f64>,
     class: Option<KernelClass>,
     warning: Option<String>,
     evaluations: u64,
-    check: OnceLock<Checked<K::Point, G::Value>>,
+    pub(super) check: OnceLock<Checked<K::Point, G::Value>>,
 }
 
 type Checked<X, V> = Result<Check<X, V>, Error>;
 
 /// f_n on the nodes of a rule that shares none with the solve.
 #[derive(Clone, Debug)]
-struct Check<X, V> {
-    grid: Grid<X>,
-    values: Vec<V>,
+pub(super) struct Check<X, V> {
+    pub(super) grid: Grid<X>,
+    pub(super) values: Vec<V>,
 }
 
 impl<G, K> NystromSolution<G, K>
@@ -213,62 +212,6 @@ where
     #[must_use]
     pub fn condition(&self) -> f64 {
         1.0 / self.rcond()
-    }
-
-    /// g(x) + (Tf_n)(x) − f_n(x), with T by a rule that shares neither nodes nor order with the solve (made at the first call: about n more rows).
-    ///
-    /// # Errors
-    /// Those of [`try_eval`](NystromSolution::try_eval).
-    pub fn residual(&self, x: K::Point) -> Result<G::Value, Error> {
-        let check = self.check.get_or_init(|| self.independent(0.0)).as_ref().map_err(Clone::clone)?;
-        Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - self.integral_term(x)?)
-    }
-
-    /// f_j improved by one step of iterative refinement, with residuals from sums that do not round (Higham 2002, ch. 12): one more assembly.
-    pub(super) fn refined(mut self) -> Result<Self, Error> {
-        let nodes = &self.system.grid.nodes;
-        let at_nodes = parallel::map(nodes.len(), |j| Ok::<_, Error>(self.try_eval(&nodes[j].point)? - self.values[j]));
-        let residuals = at_nodes.into_iter().collect::<Result<Vec<_>, _>>()?;
-        self.values.iter_mut().zip(self.system.inverse_of(&residuals)).for_each(|(f, e)| *f += e);
-        self.check = OnceLock::new();
-        Ok(self)
-    }
-
-    /// The residual at node `j`, where f − g is T f of the solve up to the rounding of the linear system.
-    pub(super) fn residual_at_node(&self, j: usize) -> Result<G::Value, Error> {
-        let check = self.check.get_or_init(|| self.independent(0.0)).as_ref().map_err(Clone::clone)?;
-        let x = self.system.grid.nodes[j].point;
-        Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - (self.values[j] - self.source.eval(&x)))
-    }
-
-    /// Prepares residuals for which f between nodes may err by `allowed`: polynomials instead of rows where they are good enough.
-    pub(super) fn prepare_residuals(&self, allowed: f64) {
-        self.check.get_or_init(|| self.independent(allowed));
-    }
-
-    /// f at places between nodes: by the polynomials through the nodes of panels that resolve f up to `allowed`, else by rows.
-    pub(super) fn between_nodes(&self, places: &[K::Point], allowed: f64) -> Result<Vec<G::Value>, Error> {
-        let (grid, domain) = (&self.system.grid, self.system.kernel.domain());
-        let resolved: Vec<bool> = grid.panels().map_or_else(Vec::new, |panels| {
-            let tail = |values: &[G::Value], a: usize| panels.basis.tail(&values.iter().map(|v| v.component(a)).collect::<Vec<_>>());
-            let fine = |values: &[G::Value]| (0..G::Value::COMPONENTS).all(|a| tail(values, a) <= allowed);
-            self.values.chunks_exact(panels.basis.len()).map(fine).collect()
-        });
-        let at = |x: &K::Point| match grid.panels().and_then(|p| Some((p.basis.len(), grid.stencil(domain, x)?))) {
-            Some((order, stencil)) if resolved[stencil.first / order] => {
-                Ok(G::Value::from_components(|a| stencil.apply(|j| self.values[j].component(a))))
-            }
-            _ => self.try_eval(x),
-        };
-        parallel::map(places.len(), |i| at(&places[i])).into_iter().collect()
-    }
-
-    fn independent(&self, allowed: f64) -> Result<Check<K::Point, G::Value>, Error> {
-        let domain = self.system.kernel.domain();
-        let grid = self.system.grid.independent(domain)?;
-        let places: Vec<K::Point> = grid.nodes.iter().map(|n| n.point).collect();
-        let values = self.between_nodes(&places, allowed)?;
-        Ok(Check { grid, values })
     }
 }
 

@@ -135,19 +135,22 @@ impl Domain for HalfLine {
     }
 
     fn displaced(&self, x: &f64, _: usize, d: f64) -> Node<f64> {
-        match self.map {
+        let here = self.rest(*x);
+        let rest = here - d;
+        // a short way is added to x, which may be far out; a long one starts from the end
+        let short = d.abs() < 0.5 * here;
+        let (y, weight) = match self.map {
             Map::Algebraic => {
                 let far = self.scale + (x - self.start);
-                let rest = self.scale / far - d;
-                let y = (x + far * (d / rest)).max(self.start);
-                Node { point: y, weight: self.scale / (rest * rest) }
+                let y = if short { x + far * (d / rest) } else { self.start + self.scale * ((1.0 - rest) / rest) };
+                (y, self.scale / (rest * rest))
             }
             Map::Exponential => {
-                let here = self.rest(*x);
-                let y = (x - self.scale * (-d / here).ln_1p()).max(self.start);
-                Node { point: y, weight: self.scale / (here - d) }
+                let y = if short { x - self.scale * (-d / here).ln_1p() } else { self.start - self.scale * rest.ln() };
+                (y, self.scale / rest)
             }
-        }
+        };
+        Node { point: y.max(self.start), weight }
     }
 
     fn difference(&self, x: &f64, d: f64) -> Option<f64> {

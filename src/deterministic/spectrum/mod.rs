@@ -13,6 +13,7 @@
 mod determinant;
 mod matrix;
 mod pairs;
+mod residuals;
 mod ritz;
 mod search;
 

@@ -2,16 +2,22 @@
 
 use super::matrix::fields;
 use super::pairs::{Eigenpair, on_grid};
-use crate::deterministic::class::{Diagonal, classify};
+use crate::deterministic::class::{Diagonal, classified};
+use crate::deterministic::ends::Ends;
+use crate::deterministic::erased::erased;
 use crate::deterministic::grid::{Grid, Panels};
-use crate::deterministic::jumps::jumps;
+use crate::deterministic::jumps::{along_rows, jumps};
+use crate::deterministic::lines::{Line, kinks, lines};
 use crate::deterministic::nystrom::{Nystrom, graded_breaks};
+use crate::deterministic::scan::Scan;
+use crate::deterministic::seen::Sight;
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::source::source_fn;
 use crate::value::{Value, Weight};
+use std::collections::BTreeSet;
 
 const ORDER: usize = 16;
 /// Peaks of this width or more, in units of the coordinate, are tried without panels.
@@ -38,20 +44,24 @@ pub(super) fn adaptive<K: Kernel + HasDomain + Clone>(
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::invalid("tolerance", tolerance, "must be positive and finite"));
     }
-    let mut search = Search { kernel, tolerance, most, count, error: f64::INFINITY, largest: 0 };
+    let (ends, lines_of_k) = (Ends::default(), Vec::new());
+    let mut search = Search { kernel, tolerance, most, count, ends, lines: lines_of_k, error: f64::INFINITY, largest: 0 };
     if kernel.domain().dimension() > 1 {
         return search.globally()?.ok_or_else(|| search.failure());
     }
-    let diagonal = match settings.declared {
-        Some(declared) => declared,
-        None => classify(kernel)?.diagonal,
-    };
+    let (class, ends) = classified(&erased(kernel))?;
+    let diagonal = settings.declared.unwrap_or(class.diagonal);
     let mut segments = settings.segments(kernel.domain())?;
     let silent = source_fn(kernel.domain().clone(), |_: &K::Point| <<K::Weight as Weight>::Value as Value>::ZERO);
-    segments.extend(jumps(&Equation::new(silent, kernel)));
+    let rows = along_rows(&erased(kernel));
+    search.lines = lines(kernel.domain(), &rows);
+    search.ends = ends;
+    segments.extend(kinks(&search.lines, &[0.0, 1.0]));
+    segments.extend(jumps(&Equation::new(silent, kernel), &rows));
     segments.sort_by(f64::total_cmp);
     segments.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-    let smooth = segments.len() == 2 && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
+    let smooth =
+        segments.len() == 2 && ends.rows == [false; 2] && matches!(diagonal, Diagonal::Smooth | Diagonal::Peaked { width: WIDE.. });
     if smooth && let Some(found) = search.globally()? {
         return Ok(found);
     }
@@ -63,6 +73,8 @@ struct Search<'a, K> {
     tolerance: f64,
     most: usize,
     count: usize,
+    ends: Ends,
+    lines: Vec<Line>,
     error: f64,
     largest: usize,
 }
@@ -96,7 +108,7 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
             if !self.affordable((order as f64).powi(dimension as i32)) {
                 break;
             }
-            let pairs = match on_grid(self.kernel, Grid::plain(self.kernel.domain(), 1, order)?, self.count) {
+            let mut pairs = match on_grid(self.kernel, Grid::plain(self.kernel.domain(), 1, order)?, self.count) {
                 Err(Error::NonFiniteKernel { .. }) if dimension == 1 => return Ok(None),
                 other => other?,
             };
@@ -104,6 +116,7 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
             // two rules must agree as well: what falls between the nodes of one shows in the other
             if let Some(last) = &last
                 && error.max(self.change(last, &pairs)) <= self.tolerance
+                && self.looked_at(&mut pairs).0 <= self.tolerance
             {
                 return Ok(Some(pairs));
             }
@@ -140,7 +153,8 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
             if !self.affordable((breaks.len() - 1) as f64 * ORDER as f64) {
                 return Ok(None);
             }
-            let pairs = on_grid(self.kernel, Grid::panelled(self.kernel.domain(), breaks.clone(), ORDER)?, self.count)?;
+            let grid = Grid::panelled(self.kernel.domain(), breaks.clone(), ORDER)?.towards(self.ends).across(self.lines.clone());
+            let mut pairs = on_grid(self.kernel, grid, self.count)?;
             if self.is_noise(&pairs) {
                 self.error_of(&pairs);
                 return Err(self.failure());
@@ -150,9 +164,17 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
                 breaks = finer;
                 continue;
             }
-            let error = self.error_of(&pairs);
+            let mut error = self.error_of(&pairs);
             if error <= self.tolerance {
-                return Ok(Some(pairs));
+                let (unseen, panels) = self.looked_at(&mut pairs);
+                if unseen <= self.tolerance {
+                    return Ok(Some(pairs));
+                }
+                if !panels.is_empty() {
+                    breaks = halved(&breaks, |p| panels.contains(&p));
+                    continue;
+                }
+                error = unseen;
             }
             while share > STRICTEST && finer.len() == breaks.len() {
                 share *= STRICTER;
@@ -166,9 +188,28 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
                 return Ok(None);
             }
             last = error;
-            breaks = breaks.windows(2).flat_map(|e| [e[0], 0.5 * (e[0] + e[1])]).chain([1.0]).collect();
+            breaks = halved(&breaks, |_| true);
         }
         Ok(None)
+    }
+
+    /// What rows and columns of K have between the nodes, as a relative error of the eigenvalues, and on which panels; the pairs then know it.
+    fn looked_at(&mut self, pairs: &mut [Eigenpair<K>]) -> (f64, BTreeSet<usize>) {
+        let Some(first) = pairs.first() else { return Default::default() };
+        let (kernel, grid, largest) = (erased(self.kernel), first.grid().clone(), first.value().norm());
+        let (sight, scan) = (Sight { kernel: &kernel, grid: &grid }, Scan::of(kernel.domain(), &grid));
+        let seen = sight.look(&scan, &[]);
+        // an eigenfunction has what the columns have
+        let missed = seen.row + seen.largest * seen.column / largest;
+        let mut worst = 0.0f64;
+        for pair in pairs.iter_mut().filter(|_| missed > 0.0) {
+            pair.miss(missed);
+            worst = worst.max(pair.error() / largest);
+        }
+        self.error = self.error.max(worst);
+        let lines = seen.rows.iter().map(|line| (line, 1.0)).chain(seen.columns.iter().map(|line| (line, seen.largest / largest)));
+        let large = lines.filter(|(line, factor)| factor * line.gap > 0.1 * missed);
+        (worst, large.filter_map(|(line, _)| sight.panel(&scan, line.at)).collect())
     }
 
     /// Panels cut where the Legendre tail of an eigenfunction is too large: in the middle, at the end of a segment close to it.
@@ -188,6 +229,12 @@ impl<K: Kernel + HasDomain + Clone> Search<'_, K> {
         }
         breaks
     }
+}
+
+/// The panels with some of them cut in the middle.
+fn halved(breaks: &[f64], cut: impl Fn(usize) -> bool) -> Vec<f64> {
+    let halves = |(p, e): (usize, &[f64])| if cut(p) { vec![e[0], 0.5 * (e[0] + e[1])] } else { vec![e[0]] };
+    breaks.windows(2).enumerate().flat_map(halves).chain([1.0]).collect()
 }
 
 /// Legendre tail of an eigenfunction on panel `p`, over states and components, × the length of the panel: what it does elsewhere.
