@@ -350,7 +350,7 @@ pub enum Error {
         vertices: usize,
     },
     /// More primitives than can be numbered.
-    #[error("{primitives} primitives are too many: the limit is 2^32 - 2")]
+    #[error("{primitives} primitives are too many: the limit is 2^29")]
     TooManyPrimitives {
         /// Triangles and spheres together.
         primitives: usize,
