@@ -100,7 +100,7 @@ const PATIENCE: usize = 40;
 const PERIODIC_PATIENCE: usize = 600;
 const SLOW: f64 = 0.1;
 /// Of periodic kernels: a peak of width w takes 5/w nodes.
-const EQUIDISTANT: [usize; 11] = [10, 16, 32, 64, 128, 256, 512, 1024, 2048, 3000, 4000];
+const EQUIDISTANT: [usize; 16] = [10, 16, 24, 36, 54, 80, 120, 180, 270, 400, 600, 900, 1400, 2000, 3000, 4000];
 const DOUBLE_EXPONENTIAL: [usize; 4] = [32, 64, 128, 256];
 
 fn tensor_orders(dimension: usize) -> &'static [usize] {

@@ -17,6 +17,8 @@ use crate::value::{Value, Weight};
 const SMALLEST: f64 = 1.0 / (1u64 << 42) as f64;
 /// Share of a panel's mass beyond its outermost node.
 const BEYOND: f64 = 0.05;
+/// The outermost node of a panel, about.
+const NEAR_END: f64 = 0.005;
 /// Cuts towards an end in one round, each to a quarter: a singular end is planned in few rounds, and a poor interpolant is not followed for ever.
 const DEPTH: usize = 4;
 const QUARTER: f64 = 0.25;
@@ -166,8 +168,11 @@ where
         let mut worst = 0.0f64;
         for q in 0..panels.count() {
             let (low, high) = panels.panel(q);
-            for from in 0..domain.states() {
-                let x = domain.place(from, || low + 0.5 * (high - low)).point;
+            // at the ends of the domain K may be singular elsewhere than at y = x: that of a circle is, where the circle was cut
+            let outermost = [(0, NEAR_END), (panels.count() - 1, 1.0 - NEAR_END)].into_iter().filter(|(end, _)| *end == q);
+            let shares = std::iter::once(0.5).chain(outermost.map(|(_, share)| share));
+            for (from, share) in shares.flat_map(|share| (0..domain.states()).map(move |from| (from, share))) {
+                let x = domain.place(from, || low + share * (high - low)).point;
                 if f.system().grid.is_product(&Target::new(kernel, &x), p) {
                     continue;
                 }

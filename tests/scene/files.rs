@@ -95,6 +95,12 @@ fn beams_and_masks_are_used() {
     let loaded = gltf(lit.as_bytes(), ".").unwrap();
     assert!(loaded.report.is_empty(), "{}", loaded.report);
     assert!(loaded.builder.build().unwrap().to_string().contains("5 lights near"));
+    // left out where it is needed: found by mutation
+    let refused = |text: String| gltf(text.as_bytes(), ".").unwrap_err().to_string();
+    assert!(refused(lit.replace("\"spot\": {\"outerConeAngle\": 0.5}", "\"name\": \"x\"")).contains("light 0 is a spot without a beam"));
+    assert!(refused(text.replace("\"perspective\": {", "\"spective\": {")).contains("camera 0 has no projection"));
+    let image = r#""images": [{"wri": ""}], "textures": [{"source": 0}], "meshes""#;
+    assert!(refused(text.replacen("\"meshes\"", image, 1)).contains("image 0 has neither"));
 }
 
 #[test]

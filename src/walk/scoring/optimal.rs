@@ -5,12 +5,12 @@
 //! ```
 //!
 //! Derivation: both terms of the bracket, where W_n K ≠ 0, have the mean ∫_{K ≠ 0} qπ/(q + π), whatever part of the space either density covers, so Y is
-//! unbiased for every α. (Where K = 0, π may not be what it says: scenes do not ask who hides behind a wall.) With
-//! the balance heuristic in Y_w the weights of (Tg)(X_n) become w_q = q/(q + π) + α qπ/((q + π) K g), which may be negative: the least variance of all weights is
-//! reached by one of them, and is 0 where K g = α_q q + α_π π. α is a constant of the run, from the regression of Y on the bracket's sum over whole walks in a pilot
-//! on points of its own: best for the walk's score, and exactly Kondapaneni's for paths of one step from a point. Not worse than the heuristic alone beyond the
-//! pilot's noise, 1/pilot. Costs the densities q and π at *every* vertex, where heuristics ask for them only if g ≠ 0. Reference: Kondapaneni, Vévoda, Grittmann,
-//! Skřivan, Slusallek, Křivánek, *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
+//! unbiased for every α. (Where K = 0, π need not be what it says: scenes do not ask who hides behind a wall.) With the balance heuristic in Y_w the weights of
+//! (Tg)(X_n) become w_q = q/(q + π) + α qπ/((q + π) K g), which may be negative: the least variance of all weights is reached by one of them, and is 0 where
+//! K g = α_q q + α_π π. α is a constant of the run, from the regression of Y on the bracket's sum over whole walks in a pilot on points of its own: best for the
+//! walk's score, and exactly Kondapaneni's for paths of one step from a point; 0, which is the heuristic, where the halves of the pilot do not confirm each
+//! other. Costs the densities q and π at *every* vertex, where heuristics ask for them only if g ≠ 0. Reference: Kondapaneni, Vévoda, Grittmann, Skřivan,
+//! Slusallek, Křivánek, *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
 
 use super::next_event::{along, edge};
 use super::{Arrival, Heuristic, Mis, Scoring, Technique, Visit};
