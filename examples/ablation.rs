@@ -33,7 +33,7 @@ fn run(addition: Addition, samples: u64) -> Result<(f64, String), Error> {
     scene.mesh(shapes::parallelogram([-0.5, 2.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])?, lamp)?;
     addition(&mut scene)?;
     let scene = scene.build()?;
-    let film = scene.film(Camera::look_at([0.0, 1.0, 2.5], [0.0, 0.3, 0.0]), 32, 32);
+    let film = scene.film(Camera::look_at([0.0, 1.0, 1.2], [0.0, 0.0, 0.5]), 32, 32);
     let (walk, mut least) = (Walk::mis().samples_per_cell(samples), f64::INFINITY);
     for _ in 0..5 {
         let clock = Instant::now();
