@@ -1,7 +1,6 @@
 //! Rays a second against a landscape of 180 000 triangles, and the time to build its tree.
 //!
-//! `cargo bench --bench bvh`: the baseline is the traversal of the crate that builds the binary tree, `obvhs`, in single precision and not
-//! watertight. `examples/peers rays` asks the same rays as other programs do.
+//! `cargo bench --bench bvh`: the baseline is the crate `obvhs`, in single precision and not watertight. `examples/peers rays` asks the same rays as other programs do.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use fredholm::sampling::{Pcg, Sampler, Sequence};

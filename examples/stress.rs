@@ -34,7 +34,9 @@ fn main() -> ExitCode {
             _ => "",
         };
         let seconds = clock.elapsed().as_secs_f64();
-        let line = format!("| {} | {} | {}{mark} | {:?} | {seconds:.2} |", row.input, row.method, happened.describe(), row.should);
+        let cell = |text: &str| text.replace('|', "\\|");
+        let (input, what) = (cell(&row.input), cell(&happened.describe()));
+        let line = format!("| {input} | {} | {what}{mark} | {:?} | {seconds:.2} |", row.method, row.should);
         println!("{line}");
         let _ = writeln!(table, "{line}");
     }

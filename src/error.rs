@@ -186,6 +186,16 @@ pub enum Error {
         /// g(Z₀)/q₀(Z₀).
         weight: String,
     },
+    /// A forward walk came to a place whose light a detector gets, but not by scores.
+    #[error("detector cell {cell} is not scored at {at}: {why}")]
+    NotScored {
+        /// Detector cell.
+        cell: usize,
+        /// The state, as printed by its `Debug`.
+        at: String,
+        /// Why, and what finds it.
+        why: &'static str,
+    },
     /// A detector gave a score that is NaN or infinite, although the walk's weight is not.
     #[error("detector cell {cell} scores {value} at {at}")]
     NonFiniteDetector {
@@ -340,7 +350,7 @@ pub enum Error {
         vertices: usize,
     },
     /// More primitives than can be numbered.
-    #[error("{primitives} primitives are too many: the limit is 2^32 - 2")]
+    #[error("{primitives} primitives are too many: the limit is 2^29")]
     TooManyPrimitives {
         /// Triangles and spheres together.
         primitives: usize,

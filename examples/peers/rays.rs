@@ -1,4 +1,4 @@
-//! Rays through the scenes of the peers: closest and any hits against stored answers.
+//! Rays through the scenes of the peers: closest and any hits against stored answers. `tests/data/rays` has one in 512 of those of cornell.
 
 use crate::timed;
 use fredholm::Error;

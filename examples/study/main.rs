@@ -20,7 +20,6 @@ mod problem;
 mod problems;
 mod report;
 #[path = "../solve/rules.rs"]
-#[allow(dead_code, reason = "evaluations are counted by the walks")]
 mod rules;
 mod scenes;
 #[path = "../../tests/sampling/any.rs"]

@@ -24,7 +24,10 @@ pub(crate) fn csv(problems: &[Problem]) -> String {
     out
 }
 
-/// Error against time for the best of every family, error against evaluations for all walks.
+/// Curves that a legend has room for.
+const MOST: usize = 17;
+
+/// Error against time for the best of every family, error against evaluations for the most efficient walks.
 pub(crate) fn plots(problem: &Problem, folder: &Path) -> Result<(), Error> {
     let overview = problem.overview();
     let finite = |v: f64| v.is_finite() && v > 0.0;
@@ -38,8 +41,13 @@ pub(crate) fn plots(problem: &Problem, folder: &Path) -> Result<(), Error> {
     let time = Convergence::against_time(&title).subtitle("set-up included; walks: root mean square over seeds, solves: largest error");
     draw(time.error_label("relative error").slopes(&[-0.5]), &overview, |p| p.seconds)
         .save(folder.join(format!("{}-time.png", problem.name)))?;
-    let walks: Vec<_> = problem.curves.iter().filter(|c| is_walk(c) && !c.points.is_empty()).collect();
-    let work = Convergence::against(&title, "evaluations of the kernel").subtitle("walks: root mean square over seeds");
+    // error · √evaluations at the largest size
+    let constant = |c: &Curve| c.points.last().map_or(f64::INFINITY, |p| p.error * p.evaluations.sqrt());
+    let mut walks: Vec<_> = problem.curves.iter().filter(|c| is_walk(c) && !c.points.is_empty()).collect();
+    walks.sort_by(|a, b| constant(a).total_cmp(&constant(b)));
+    walks.truncate(MOST);
+    let subtitle = format!("the {} most efficient walks, best first; root mean square over seeds", walks.len());
+    let work = Convergence::against(&title, "evaluations of the kernel").subtitle(&subtitle);
     draw(work.error_label("relative error").slopes(&[-0.5]), &walks, |p| p.evaluations)
         .save(folder.join(format!("{}-walks.png", problem.name)))
 }

@@ -81,6 +81,12 @@ fn throughput() -> AnyEnding {
     AnyEnding::Roulette(Roulette::throughput(1.0))
 }
 
+/// What the scoring rule evaluates at every vertex, as many as steps and starts.
+fn counted(mut f: Estimate, scoring: AnyScoring) -> Estimate {
+    f.evaluations += scoring.evaluations() * (f.steps + f.samples());
+    f
+}
+
 fn mis(heuristic: Heuristic) -> AnyScoring {
     AnyScoring::Mis(Mis(heuristic))
 }
@@ -124,7 +130,9 @@ fn uniform(case: &Case, x: f64, sweep: &mut Sweep<'_>) {
     let set_up = clock.elapsed().as_secs_f64();
     for (name, scoring) in [("collision", AnyScoring::Collision), ("next event", AnyScoring::NextEvent), ("MIS", mis(Heuristic::Balance))] {
         let walk = Walk::new(scoring, throughput());
-        sweep.run(&format!("{name}, uniform"), Family::MonteCarlo, set_up, &|n, seed| eq.at(x).solve(&walk.samples_per_cell(n).seed(seed)));
+        sweep.run(&format!("{name}, uniform"), Family::MonteCarlo, set_up, &|n, seed| {
+            eq.at(x).solve(&walk.samples_per_cell(n).seed(seed)).map(|f| counted(f, scoring))
+        });
     }
 }
 
@@ -144,7 +152,9 @@ fn tables(eq: &Table<'_>, x: f64, how: &str, set_up: f64, sweep: &mut Sweep<'_>)
     for (name, scoring, ending) in rules {
         let family = if matches!(ending, AnyEnding::FixedDepth(_)) { Family::Biased } else { Family::MonteCarlo };
         let walk = Walk::new(scoring, ending);
-        sweep.run(&format!("{name}, {how}"), family, set_up, &|n, seed| query.solve(&walk.samples_per_cell(n).seed(seed)));
+        sweep.run(&format!("{name}, {how}"), family, set_up, &|n, seed| {
+            query.solve(&walk.samples_per_cell(n).seed(seed)).map(|f| counted(f, scoring))
+        });
     }
     if how == "table" {
         // survival by the row mass, which a guided table does not have

@@ -65,6 +65,12 @@ pub trait Score<Z: Point, V: Value>: Detector {
 
     /// Calls `add(j, h_j(z) load)` for every cell j where h_j(z) ≠ 0. `u` is for detectors that look from a random place, such as a lens.
     fn score<S: Sampler>(&self, z: &Z, load: V, u: &mut S, add: impl FnMut(usize, V));
+
+    /// Why a score at z is NaN, where it is no accident: it is refused, not left out.
+    fn refusal(&self, z: &Z) -> Option<&'static str> {
+        let _ = z;
+        None
+    }
 }
 
 /// A detector whose points can be drawn as seen from a state of a forward walk: what its next event is connected with.

@@ -8,7 +8,7 @@
 //! MIS        w_q + w_π = 1, α = 0 but with the weights of a pilot
 //! ```
 //!
-//! A and B are independent given x; π has the survival probability in it, K₂ = K²/π.
+//! A and B are independent given x; π has the survival probability in it, K₂ = K²/π. Terms of α count where K ≠ 0.
 
 use crate::domain::Node;
 use crate::equation::Equation;
@@ -174,7 +174,7 @@ where
             let hit = share * g[j];
             a += rows.first[j] * hit;
             aa += rows.event[j] * hit * hit;
-            if alpha != 0.0 {
+            if alpha != 0.0 && self.equation.kernel().eval(x, &n.point) != 0.0 {
                 let (to_q, to_pi) = (Heuristic::Balance.share(q, pi, Technique::First), Heuristic::Balance.share(pi, q, Technique::Second));
                 let overlap = alpha * n.weight * pi * to_q;
                 a += overlap;

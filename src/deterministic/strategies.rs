@@ -8,6 +8,7 @@
 use super::Nystrom;
 use super::grid::Grid;
 use super::one_step::Composed;
+use super::variance::source_values;
 use crate::detector::StartPdf;
 use crate::domain::{Node, Point};
 use crate::equation::Query;
@@ -15,7 +16,7 @@ use crate::error::Error;
 use crate::kernel::{HasAdjoint, HasDomain, Kernel, Operator, TransitionPdf};
 use crate::sampling::{Pcg, Sequence};
 use crate::source::{EmitPdf, Source};
-use crate::walk::{Bidirectional, Ending};
+use crate::walk::{Bidirectional, Ending, MOST_EDGES};
 
 /// What one strategy alone will find.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +28,7 @@ pub struct PredictedStrategy {
     pub t: u64,
     /// ⟨h, T^{s+t−1} g⟩.
     pub mean: f64,
-    /// Variance of C_{s,t}; infinite where a row of K², K₂ or K₂* is not integrable, or the strategy misses paths.
+    /// Variance of C_{s,t}; infinite where a row of K², K₂ or K₂* is not integrable, or the strategy misses paths; 0 where the error of the rule leaves less.
     pub variance: f64,
 }
 
@@ -55,7 +56,7 @@ where
     /// ```
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a cell that the detector does not have, and endings whose survival depends on more than the place; those of the rule.
+    /// [`Error::Invalid`] for a cell that the detector does not have, orders above 64, and endings whose survival depends on more than the place; those of the rule.
     pub fn predict_strategies<E, F, Q>(
         &self,
         walks: &Bidirectional<E, F, Q>,
@@ -73,6 +74,9 @@ where
         detector.validate()?;
         if cell >= detector.cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
+        }
+        if order > MOST_EDGES {
+            return Err(Error::invalid("order", order as f64, "must be at most 64"));
         }
         let (adjoint, grid, (back, forth)) = (kernel.adjoint()?, rule.grid(kernel.domain())?, walks.ends_by());
         let known = |x| back.survival_at(kernel, x).and(forth.survival_at(&adjoint, x)).is_some();
@@ -95,7 +99,7 @@ where
         let start = detector.start_pdf(cell, &start).is_infinite().then_some(start);
         let values = |f: &dyn Fn(&G::Point) -> f64| grid.nodes.iter().map(|n| f(&n.point)).collect::<Vec<_>>();
         let ends = Ends {
-            g: values(&|x| source.eval(x)),
+            g: source_values(source, &grid)?.as_slice().to_vec(),
             h: values(&|x| detector.importance(cell, x)),
             seen: values(&|x| over(detector.importance(cell, x), detector.start_pdf(cell, x))),
             born: values(&|x| over(source.eval(x), source.emit_pdf(x))),
@@ -199,8 +203,9 @@ impl<K: Kernel<Weight = f64> + HasDomain> Rows<'_, K> {
         };
         let strategy = |(m, s): (u64, u64)| {
             let (t, mean) = (m + 1 - s, means[m as usize]);
-            let variance = second(s as usize, t as usize).map_or(f64::INFINITY, |second: f64| (second - mean * mean).max(0.0));
-            PredictedStrategy { s, t, mean, variance }
+            let variance = second(s as usize, t as usize).map_or(f64::INFINITY, |second: f64| second - mean * mean);
+            // not `max`, which would make 0 of NaN
+            PredictedStrategy { s, t, mean, variance: if variance < 0.0 { 0.0 } else { variance } }
         };
         Ok((0..=order).flat_map(|m| (0..=m + 1).map(move |s| (m, s))).map(strategy).collect())
     }

@@ -119,7 +119,7 @@ where
 }
 
 /// Collects g at the nodes.
-fn source_values<G: Source<Value = f64>>(source: &G, grid: &Grid<G::Point>) -> Result<DVector<f64>, Error> {
+pub(super) fn source_values<G: Source<Value = f64>>(source: &G, grid: &Grid<G::Point>) -> Result<DVector<f64>, Error> {
     let mut g = DVector::zeros(grid.nodes.len());
     for (g, n) in g.iter_mut().zip(&grid.nodes) {
         *g = source.eval(&n.point);

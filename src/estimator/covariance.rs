@@ -53,8 +53,31 @@ pub(super) fn weights(s: &DMatrix<f64>) -> DVector<f64> {
     a / sum
 }
 
-/// a of least variance of Y + Σ a_k D_k, from equally many scores of Y and of controls D_k of mean 0: a = −(DᵀD)⁺ Dᵀ(Y − Ȳ). `None` if sums are not finite.
+/// a of least variance of Y + Σ a_k D_k, from equally many scores of Y and of controls D_k of mean 0; 0 unless what either half of the scores finds takes
+/// variance from the other: controls that were seldom seen would add it. `None` if sums are not finite.
 pub(crate) fn coefficients(controls: &[Vec<f64>], y: &[f64]) -> Option<Vec<f64>> {
+    // every other score: neighbours may be of one cell
+    let half = |first: usize, of: &[f64]| of.iter().copied().skip(first).step_by(2).collect::<Vec<f64>>();
+    let halves = [0, 1].map(|first| (controls.iter().map(|d| half(first, d)).collect::<Vec<_>>(), half(first, y)));
+    let mut gain = 0.0;
+    for ((seen, scores), (controls, y)) in [(&halves[0], &halves[1]), (&halves[1], &halves[0])] {
+        let a = regression(seen, scores)?;
+        let explained = |i: usize| a.iter().zip(controls).map(|(a, d)| a * d[i]).sum::<f64>();
+        let rest: Vec<f64> = y.iter().enumerate().map(|(i, y)| y + explained(i)).collect();
+        gain += variation(y) - variation(&rest);
+    }
+    let all = regression(controls, y)?;
+    Some(if gain > 0.0 { all } else { vec![0.0; all.len()] })
+}
+
+/// Σ (y − ȳ)².
+fn variation(y: &[f64]) -> f64 {
+    let mean = y.iter().sum::<f64>() / y.len() as f64;
+    y.iter().map(|y| (y - mean).powi(2)).sum()
+}
+
+/// −(DᵀD)⁺ Dᵀ(Y − Ȳ).
+fn regression(controls: &[Vec<f64>], y: &[f64]) -> Option<Vec<f64>> {
     let n = controls.len();
     let mean = y.iter().sum::<f64>() / y.len() as f64;
     // in units of their own sizes, so that one threshold serves all
@@ -112,5 +135,7 @@ mod tests {
         let a = coefficients(&d, &y).unwrap();
         close(&[a[0] + 2.0 * a[2], a[1], a[3]], &[-3.0, 1.0, 0.0]);
         assert!(coefficients(&[vec![f64::INFINITY; 4]], &y).is_none());
+        // what was seen once says nothing
+        assert_eq!(coefficients(&[vec![1.0, 0.0, 0.0, 0.0]], &[5.0, 1.0, 0.0, 1.0]), Some(vec![0.0]));
     }
 }

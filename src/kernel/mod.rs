@@ -110,7 +110,8 @@ pub trait Transition: Operator {
 
 /// The density of a step.
 ///
-/// Law: for every set B, `∫_B pdf(x, y) dμ(y) = P(step(x).point ∈ B)`: a *sub*-density, the kernel's own survival included.
+/// Law: for every set B, `∫_B pdf(x, y) dμ(y) = P(step(x).point ∈ B)`: a *sub*-density, the kernel's own survival included. Where K(x, y) = 0 weights of
+/// multiple importance sampling do not ask what it is: a scene may leave out who hides behind a wall.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not state the density of its steps",
     note = "multiple importance sampling needs `TransitionPdf`; use `Walk::collision` or `Walk::next_event` without it"

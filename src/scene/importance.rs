@@ -170,7 +170,8 @@ impl Meet<Photon, Rgb> for Film {
 /// Light tracing: every photon is seen by the camera.
 ///
 /// What a mirror or clear glass sends there is not: no photon goes exactly to a pinhole, nor is one drawn to a point of a lens. Rather than dark pixels,
-/// a photon on such a place in sight is an error that names it; [`Bidirectional`](crate::Bidirectional) gives these paths to walks from the camera.
+/// a photon on such a place in sight is an error that names it; [`Bidirectional`](crate::Bidirectional) gives these paths to walks from the camera, and
+/// [`PhotonDensity`](super::PhotonDensity) looks through mirrors.
 impl Score<Photon, Rgb> for Film {
     #[inline]
     fn score<S: Sampler>(&self, z: &Photon, load: Rgb, u: &mut S, mut add: impl FnMut(usize, Rgb)) {
@@ -178,5 +179,10 @@ impl Score<Photon, Rgb> for Film {
         let not_found = Rgb::from_components(|_| f64::NAN);
         let leaving = |y: &State| if scene.mirrors(z, y) { not_found } else { scene.leaving(z, y).apply(load) };
         self.expose(z, u, leaving, |Met { cell, score, .. }| add(cell, score));
+    }
+
+    fn refusal(&self, z: &Photon) -> Option<&'static str> {
+        let why = "no connection finds the light that a mirror or clear glass sends to the camera; `Bidirectional` and `PhotonDensity` do";
+        self.scene.0.mirrors(z, &z.turned()).then_some(why)
     }
 }

@@ -74,6 +74,7 @@ use crate::value::Spectrum;
 use frame::Vec3;
 use geometry::{Geometry, Hit, Ray, Shape, Surface};
 use light::{Births, Lights};
+use material::Law;
 use std::fmt;
 use std::sync::Arc;
 
@@ -244,6 +245,14 @@ impl Scene {
         self.0.trace(&Ray::new(from, direction.into()), &direction)
     }
 
+    /// Whether there is light that walks from the camera neither hit nor connect to; see the head of `light_transport`.
+    fn hides_caustics(&self) -> bool {
+        let Inner { lights, materials, .. } = &*self.0;
+        let count = (lights.local.len() + lights.remote.len()) as u32;
+        let punctual = (0..count).any(|light| lights.punctual(light) != Rgb::default());
+        punctual && materials.iter().any(|m| m.is_singular() && m.law != Law::Fixed(Bsdf::Black))
+    }
+
     /// The geometry.
     #[must_use]
     pub fn geometry(&self) -> &Geometry {
@@ -264,6 +273,7 @@ impl fmt::Display for Scene {
             (!holes, "no alpha is tested"),
             (details.is_empty(), "all triangles are flat"),
             (materials.iter().all(Material::is_singular), "no diffuse surface: nothing is connected"),
+            (self.hides_caustics(), "light of points and directions through mirrors or clear glass: no walk from the camera finds it"),
             (geometry.degenerate() > 0, "triangles without area are never hit"),
         ] {
             if skipped {

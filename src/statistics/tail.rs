@@ -8,6 +8,8 @@ use crate::value::Value;
 
 /// Largest scores kept.
 const KEPT: usize = 256;
+/// Excesses that tell ξ to ± 0.1 or so.
+const FITTED: usize = 100;
 
 /// The largest |y| of all scores, exact and independent of how the work was split.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -104,14 +106,15 @@ impl Tail {
     /// By the index and by the shape: whichever suspects more.
     pub(super) fn suspicion(&self) -> Suspicion {
         let (index, shape) = (self.index(), self.shape());
-        let above = |errors: f64| index.is_some_and(|(a, e)| a - errors * e < 2.0) || shape.is_some_and(|(xi, e)| xi + errors * e > 0.5);
-        if above(-2.0) {
-            Suspicion::Infinite
-        } else if above(1.0) {
-            Suspicion::Possible
-        } else {
-            Suspicion::None
+        if index.is_some_and(|(a, e)| a + 2.0 * e < 2.0) || shape.is_some_and(|(xi, e)| xi - 2.0 * e > 0.5) {
+            return Suspicion::Infinite;
         }
+        // of few excesses ξ is too uncertain to be held against the scores, unless it is itself too large
+        let most = |(xi, e): (f64, f64)| if self.judged() >= Some(FITTED) { xi + e } else { xi };
+        if index.is_some_and(|(a, e)| a - e < 2.0) || shape.is_some_and(|s| most(s) > 0.5) {
+            return Suspicion::Possible;
+        }
+        Suspicion::None
     }
 
     /// How many of the largest scores are tail; `None` if too few, or tied.

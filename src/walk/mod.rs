@@ -11,6 +11,7 @@
 mod array;
 mod backward;
 mod bidirectional;
+mod checkpoint;
 mod driver;
 mod ending;
 mod estimator;
@@ -25,22 +26,24 @@ mod run;
 mod scoring;
 
 pub use array::ArrayRqmc;
+pub(crate) use bidirectional::MOST_EDGES;
 pub use bidirectional::{
     Beyond, Bidirectional, Connect, Meet, Met, PairEstimator, PairMemory, SharedPairs, Strategies, Strategy, meet_by_density,
 };
+pub use checkpoint::Checkpoint;
 pub use driver::End;
 pub use ending::{Ending, FixedDepth, OwnAbsorption, Roulette, Subcritical, Survival};
 pub use estimator::WalkEstimator;
-pub use forward::{Collided, Connections, Forward, ForwardScoring, ForwardTally, ForwardTrace, Seen};
+pub use forward::{Collided, Connections, Forward, ForwardRun, ForwardScoring, ForwardTally, ForwardTrace, Seen};
 pub use observer::{Observer, Trace, TracedVertex};
 pub use order::Sort;
 pub use profile::{Basis, Expansion, Histogram, KernelTally, Plan, PlanOf, Profiling, Smoothed, SmoothingKernels, Tally};
-pub use rounds::{Round, Rounds};
-pub use run::Checkpoint;
+pub use rounds::{InProgress, Progressive, Round, Rounds};
+pub use run::Run as WalkRun;
 pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, OptimalMis, Scoring, Technique, Visit};
 
 use crate::detector::Detector;
-use crate::equation::{Equation, Method, Query};
+use crate::equation::{Equation, Method};
 use crate::error::Error;
 use crate::kernel::{Operator, Transition};
 use crate::sampling::{Pcg, Sequence};
@@ -252,23 +255,24 @@ where
     }
 }
 
-impl<'a, G, K, D> Query<'a, G, K, D>
+impl<G, K, D, C, E, Q> Progressive<G, K, D> for Walk<C, E, Q>
 where
     G: Source,
     K: Transition + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    Q: Sequence,
     D: Detector<Point = G::Point>,
 {
-    /// Solves in rounds that you own: leave the loop when you like, save the state, resume bit for bit.
-    ///
-    /// # Errors
-    /// Whatever can be refused before the first walk.
-    pub fn rounds<'q, C, E, Q>(&'q self, walk: &Walk<C, E, Q>) -> Result<Rounds<'q, G, K, D, C, E, Q>, Error>
+    type Run<'a>
+        = Run<'a, G, K, D, C, E, Q>
     where
-        C: Scoring<G, K>,
-        E: Ending<K>,
-        Q: Sequence,
-    {
-        Ok(Rounds::new(Run::new(walk, self.equation(), self.detector())?))
+        G: 'a,
+        K: 'a,
+        D: 'a;
+
+    fn begin<'a>(&self, equation: &'a Equation<G, K>, detector: &'a D) -> Result<Self::Run<'a>, Error> {
+        Run::new(self, equation, detector)
     }
 }

@@ -22,6 +22,11 @@ pub trait Observer<X, W: Weight> {
     fn tally(&mut self, z: &X, cell: usize, score: &W::Value) {
         let _ = (z, cell, score);
     }
+    /// A forward walk at z is about to score in a cell of the detector, which may refuse such scores.
+    #[inline]
+    fn refused(&mut self, z: &X, cell: usize, why: impl FnOnce() -> Option<&'static str>) {
+        let _ = (z, cell, why);
+    }
     /// A step from x to y goes along a Dirac part of the kernel, which a scoring rule cannot account for.
     #[inline]
     fn singular(&mut self, x: &X, y: &X, needed_by: &'static str) {

@@ -1,8 +1,10 @@
 //! Many walks: cut into chunks by the problem, never by the thread; merged serially in index order.
 
 use super::backward::{Backward, start};
+use super::checkpoint::{CELLS_WITH_TAILS, Cell, Checkpoint, Count};
 use super::driver::{Driver, End};
 use super::replay::replay;
+use super::rounds::InProgress;
 use super::scoring::Scoring;
 use super::{Ending, Walk};
 use crate::detector::Detector;
@@ -15,7 +17,7 @@ use crate::source::Source;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
 use crate::value::{Value, Weight};
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Walks in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 pub(super) const CHUNK: u64 = 1024;
@@ -27,58 +29,23 @@ pub(super) const FRONT: usize = 128;
 pub(super) const BATCH: usize = 4096;
 /// The same where every cell has one chunk.
 const WIDE_BATCH: usize = 1 << 16;
-/// Detectors with more cells keep no tails: 256 numbers a cell would outweigh an image.
-pub(super) const CELLS_WITH_TAILS: usize = 1024;
-
-/// The state of one detector cell.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Cell<V> {
-    /// one for each replicate; a single one for independent points
-    replicates: Vec<Moments<V>>,
-    tail: Option<Tail>,
-    steps: u64,
-    cut: u64,
-    truncated: u64,
-}
-
-/// Everything a run needs to go on bit for bit: save it with `serde`, resume with [`Rounds::resume`](super::Rounds::resume).
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Checkpoint<V> {
-    method: String,
-    done: u64,
-    round: u64,
-    elapsed: Duration,
-    cells: Vec<Cell<V>>,
-}
-
-/// A run in progress.
+/// Backward walks in progress.
 #[derive(Debug)]
-pub(super) struct Run<'a, G: Source, K, D, C, E, Q> {
-    pub(super) walk: Walk<C, E, Q>,
+pub struct Run<'a, G: Source, K, D, C, E, Q> {
+    walk: Walk<C, E, Q>,
     equation: &'a Equation<G, K>,
     detector: &'a D,
     truncation: Option<Truncation>,
     /// walks in a chunk
-    pub(super) chunk: u64,
-    pub(super) state: Checkpoint<G::Value>,
-}
-
-impl<V> Checkpoint<V> {
-    /// Rounds done.
-    pub fn round(&self) -> u64 {
-        self.round
-    }
+    chunk: u64,
+    state: Checkpoint<G::Value>,
 }
 
 #[derive(Clone)]
 struct Chunk<V> {
     moments: Moments<V>,
     tail: Tail,
-    steps: u64,
-    cut: u64,
-    truncated: u64,
+    count: Count,
 }
 
 impl<'a, G, K, D, C, E, Q> Run<'a, G, K, D, C, E, Q>
@@ -94,56 +61,16 @@ where
     pub(super) fn new(walk: &Walk<C, E, Q>, equation: &'a Equation<G, K>, detector: &'a D) -> Result<Self, Error> {
         let truncation = walk.prepare(equation, detector)?;
         let cells = detector.cells();
-        let cell = Cell {
-            replicates: vec![Moments::default(); walk.sequence.replicates().unwrap_or(1) as usize],
-            tail: (cells <= CELLS_WITH_TAILS).then(Tail::default),
-            steps: 0,
-            cut: 0,
-            truncated: 0,
-        };
         // the budget may change on resume, the method may not
         let method = format!("{:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
-        let state = Checkpoint { method, done: 0, round: 0, elapsed: Duration::ZERO, cells: vec![cell; cells] };
+        let state = Checkpoint::start(method, cells, &walk.sequence);
         let chunk = if cells <= CELLS_WITH_TAILS { CHUNK } else { SMALL_CHUNK };
         Ok(Run { walk: *walk, equation, detector, truncation, chunk, state })
-    }
-
-    pub(super) fn resume(&mut self, saved: Checkpoint<G::Value>) -> Result<(), Error> {
-        let differ =
-            |field, saved: &dyn ToString, now: &dyn ToString| Error::Checkpoint { field, saved: saved.to_string(), now: now.to_string() };
-        if saved.method != self.state.method {
-            return Err(differ("method", &saved.method, &self.state.method));
-        }
-        if saved.cells.len() != self.state.cells.len() {
-            return Err(differ("number of cells", &saved.cells.len(), &self.state.cells.len()));
-        }
-        let replicates = self.state.cells[0].replicates.len();
-        if let Some(c) = saved.cells.iter().find(|c| c.replicates.len() != replicates) {
-            return Err(differ("number of replicates", &c.replicates.len(), &replicates));
-        }
-        self.state = saved;
-        Ok(())
-    }
-
-    pub(super) fn equation(&self) -> &'a Equation<G, K> {
-        self.equation
-    }
-
-    /// One more round, up to `samples` walks a cell.
-    pub(super) fn advance_round(&mut self, samples: u64) -> Result<(), Error> {
-        self.advance_to(samples)?;
-        self.state.round += 1;
-        Ok(())
     }
 
     /// All estimates in the detector's shape.
     pub(super) fn answer(&self) -> D::Answer<Estimate<G::Value>> {
         self.detector.answer(self.estimates())
-    }
-
-    /// Walks a cell so far, all replicates together.
-    pub(super) fn done(&self) -> u64 {
-        self.state.done * self.replicates()
     }
 
     fn replicates(&self) -> u64 {
@@ -194,9 +121,7 @@ where
         for (cell, results) in self.state.cells[cells].iter_mut().zip(results.chunks(replicates * chunks)) {
             for (task, chunk) in results.iter().enumerate() {
                 cell.replicates[task / chunks].merge(&chunk.moments);
-                cell.steps += chunk.steps;
-                cell.cut += chunk.cut;
-                cell.truncated += chunk.truncated;
+                cell.own.add(chunk.count);
             }
             if let Some(tail) = &mut cell.tail {
                 tail.merge(results.iter().map(|chunk| &chunk.tail));
@@ -207,7 +132,7 @@ where
 
     fn chunk(&self, cell: usize, replicate: u32, from: u64, to: u64) -> Result<Chunk<G::Value>, Error> {
         let mut scores = vec![G::Value::ZERO; (to - from) as usize];
-        let (mut steps, mut cut, mut truncated) = (0, 0, 0);
+        let mut count = Count { walks: to - from, ..Count::default() };
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
         let mut errand = Backward { equation: self.equation, scoring };
         let driver = Driver { kernel: self.equation.kernel(), ending, max_steps: *max_steps };
@@ -217,11 +142,11 @@ where
             lanes.clear();
             lanes.extend(points.by_ref().take(FRONT).enumerate().map(|(i, u)| start(self.detector, cell, i, u)));
             let mut too_long = None;
-            steps += driver.walk(&mut errand, &mut lanes, &mut ranks, &mut (), |walk| {
+            count.steps += driver.walk(&mut errand, &mut lanes, &mut ranks, &mut (), |walk| {
                 match walk.end {
                     End::Cut => {
-                        cut += 1;
-                        truncated += u64::from(walk.truncated);
+                        count.cut += 1;
+                        count.truncated += u64::from(walk.truncated);
                     }
                     End::TooLong => too_long = too_long.or(Some(walk.walk)),
                     End::Absorbed | End::Roulette => {}
@@ -240,7 +165,7 @@ where
             Some(tail) => Tail::of_block(&scores, moments.nonzero, tail.threshold()),
             None => Tail::default(),
         };
-        Ok(Chunk { moments, tail, steps, cut, truncated })
+        Ok(Chunk { moments, tail, count })
     }
 
     /// Finds the cause of scores that are not finite by replaying the first such walk.
@@ -265,17 +190,60 @@ where
 
     fn estimate(&self, cell: &Cell<G::Value>) -> Estimate<G::Value> {
         let Pooled { moments, std_error, degrees_of_freedom } = Pooled::of(self.walk.sequence.replicates(), &cell.replicates);
-        let vertices = cell.steps + moments.count - cell.cut;
+        let Count { steps, cut, truncated, .. } = cell.own;
+        let vertices = steps + moments.count - cut;
         Estimate {
             value: moments.mean,
             std_error,
             degrees_of_freedom,
             moments,
             tail: cell.tail.clone(),
-            steps: cell.steps,
-            evaluations: cell.steps + C::EVALUATIONS * vertices,
-            truncation: self.truncation.map(|t| Truncation { walks: cell.truncated, ..t }),
+            steps,
+            evaluations: steps + C::EVALUATIONS * vertices,
+            truncation: self.truncation.map(|t| Truncation { walks: truncated, ..t }),
             elapsed: self.state.elapsed,
         }
+    }
+}
+
+impl<G, K, D, C, E, Q> InProgress for Run<'_, G, K, D, C, E, Q>
+where
+    G: Source,
+    K: Transition + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: Scoring<G, K>,
+    E: Ending<K>,
+    Q: Sequence,
+    D: Detector<Point = G::Point>,
+{
+    type Value = G::Value;
+    type Answer = D::Answer<Estimate<G::Value>>;
+
+    fn budget(&self) -> u64 {
+        self.walk.samples
+    }
+
+    fn first(&self) -> u64 {
+        self.chunk
+    }
+
+    fn done(&self) -> u64 {
+        self.state.done * self.replicates()
+    }
+
+    fn advance(&mut self, samples: u64) -> Result<(), Error> {
+        self.advance_to(samples)
+    }
+
+    fn state(&self) -> &Checkpoint<G::Value> {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut Checkpoint<G::Value> {
+        &mut self.state
+    }
+
+    fn answer(&self) -> Self::Answer {
+        self.answer()
     }
 }

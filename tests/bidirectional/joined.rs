@@ -109,6 +109,8 @@ fn variances_of_strategies_are_predicted_by_quadrature() {
     // roulette by throughput is not a function of the place
     let refused = eq.at(0.3).predict_strategies(&Bidirectional::new(), 0, 2, &rule);
     assert!(matches!(refused, Err(Error::Invalid { parameter: "ending", .. })), "{refused:?}");
+    let refused = eq.at(0.3).predict_strategies(&walks, 0, u64::MAX, &rule);
+    assert!(matches!(refused, Err(Error::Invalid { parameter: "order", .. })), "{refused:?}");
     all_pass(results);
 }
 

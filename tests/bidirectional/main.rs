@@ -2,9 +2,12 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/problems.rs"]
+mod problems;
 
 mod combination;
 mod debias;
+mod equations;
 mod exact;
 mod joined;
 mod metropolis;

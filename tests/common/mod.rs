@@ -68,6 +68,10 @@ const REGISTERED: &[(&str, u32)] = &[
     ("bidirectional::variances", 14),
     ("bidirectional::predicted", 6),
     ("bidirectional::optimal", 12),
+    ("bidirectional::lines", 88),
+    ("bidirectional::squares", 9),
+    ("bidirectional::systems", 18),
+    ("bidirectional::mirrors", 18),
     ("bidirectional::shared", 32),
     ("bidirectional::zoo", 40),
     ("bidirectional::matrix", 4),
@@ -101,6 +105,8 @@ const REGISTERED: &[(&str, u32)] = &[
     ("scene::directions strategies", 12),
     ("scene::directions images", 86),
     ("scene::directions metropolis", 4),
+    ("scene::directions caustic", 1),
+    ("scene::optimal", 1),
 ];
 
 /// The share of one test.

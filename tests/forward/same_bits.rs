@@ -4,7 +4,7 @@ use fredholm::detector::{Bins, Functional};
 use fredholm::domain::Interval;
 use fredholm::sampling::Sobol;
 use fredholm::walk::{Expansion, Histogram, KernelTally, Smoothed};
-use fredholm::{Equation, Estimate, Forward};
+use fredholm::{Equation, Error, Estimate, Forward};
 
 fn bits(e: &Estimate) -> Vec<u64> {
     let m = &e.moments;
@@ -62,4 +62,28 @@ fn a_trace_is_the_walk() {
         (0..64).map(|i| Forward::new().trace(&eq, &bins, i).unwrap().scores.iter().filter(|s| s.0 == 1).map(|s| s.1).sum::<f64>()).sum();
     let e = &eq.seen_by(&bins).solve(&Forward::new().walks(64)).unwrap()[1];
     assert!((total / 64.0 - e.value).abs() < 1e-12);
+}
+
+/// Rounds end where a single run ends; an interrupted run goes on where it was left, and only as the same method.
+#[test]
+fn rounds_are_one_run() {
+    let eq = Equation::on_interval(0.0..=1.0, |x: f64| 1.0 + x * x, |x: f64, y: f64| 0.4 / (1.0 + x + y * y));
+    let bins = Bins::new(0.0..=1.0, 20);
+    let query = eq.seen_by(&bins);
+    for n in [1, 1025, 10_000] {
+        let forward = Forward::new().walks(n).seed(4);
+        let once: Vec<_> = query.solve(&forward).unwrap().iter().map(bits).collect();
+        let mut rounds = query.rounds(&forward).unwrap();
+        let first = rounds.next().unwrap().unwrap();
+        let saved = rounds.checkpoint();
+        assert_eq!((first.number, first.samples, saved.round()), (1, n.min(1024), 1));
+        let last = rounds.last().map_or(first.estimates, |round| round.unwrap().estimates);
+        assert_eq!(last.iter().map(bits).collect::<Vec<_>>(), once, "{n} walks in rounds");
+        let resumed = query.rounds(&forward).unwrap().resume(saved.clone()).unwrap();
+        if let Some(round) = resumed.last() {
+            assert_eq!(round.unwrap().estimates.iter().map(bits).collect::<Vec<_>>(), once, "{n} walks, resumed");
+        }
+        let other = query.rounds(&forward.seed(5)).unwrap().resume(saved).map(drop);
+        assert!(matches!(other, Err(Error::Checkpoint { field: "method", .. })), "{other:?}");
+    }
 }

@@ -133,3 +133,15 @@ fn spheres_among_triangles() {
         }
     }
 }
+
+#[test]
+fn the_tree_is_the_same_for_any_number_of_threads() {
+    // more than a task looks at, many of them in one place
+    let mut random = Random::new(8);
+    let triangles: Vec<Corners> = (0..70_000).map(|i| triangle(if i % 4 == 0 { "piled" } else { "plain" }, i, &mut random)).collect();
+    let tree = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        format!("{:?}", pool.install(|| soup(&triangles)))
+    };
+    assert!(tree(1) == tree(3));
+}

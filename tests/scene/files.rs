@@ -95,6 +95,12 @@ fn beams_and_masks_are_used() {
     let loaded = gltf(lit.as_bytes(), ".").unwrap();
     assert!(loaded.report.is_empty(), "{}", loaded.report);
     assert!(loaded.builder.build().unwrap().to_string().contains("5 lights near"));
+    // left out where it is needed: found by mutation
+    let refused = |text: String| gltf(text.as_bytes(), ".").unwrap_err().to_string();
+    assert!(refused(lit.replace("\"spot\": {\"outerConeAngle\": 0.5}", "\"name\": \"x\"")).contains("light 0 is a spot without a beam"));
+    assert!(refused(text.replace("\"perspective\": {", "\"spective\": {")).contains("camera 0 has no projection"));
+    let image = r#""images": [{"wri": ""}], "textures": [{"source": 0}], "meshes""#;
+    assert!(refused(text.replacen("\"meshes\"", image, 1)).contains("image 0 has neither"));
 }
 
 #[test]
@@ -108,6 +114,19 @@ fn wavefront_files_load() {
     let scene = loaded.builder.build().unwrap();
     let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
     assert_eq!(fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, [1.0, 2.0, 3.0]);
+    // one number is a grey; two are none, and said
+    let seen = |library: &str| {
+        std::fs::write(folder.join("short.mtl"), library).unwrap();
+        std::fs::write(folder.join("short.obj"), obj.replace("box.mtl", "short.mtl")).unwrap();
+        let loaded = load(folder.join("short.obj")).unwrap();
+        let (report, scene) = (loaded.report.to_string(), loaded.builder.build().unwrap());
+        let lamp = scene.look([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+        (fredholm::source::Source::eval(scene.light_transport().source(), &lamp).0, report)
+    };
+    assert_eq!(seen("newmtl lamp\nKe 2\n"), ([2.0; 3], "everything in the file is used".to_string()));
+    for short in ["newmtl lamp\nKe 2 2\n", "newmtl lamp\nKd\n"] {
+        assert!(seen(short).1.contains("everything is grey"), "{short}");
+    }
     std::fs::write(folder.join("bad.obj"), "v 0 0 x\nf 1 2 3\n").unwrap();
     assert!(matches!(load(folder.join("bad.obj")), Err(Error::SceneFile { .. })));
     std::fs::write(folder.join("far.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 9\n").unwrap();

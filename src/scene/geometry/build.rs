@@ -1,10 +1,8 @@
-//! From boxes to a tree: a binary tree by `obvhs`, eight of its boxes to a node.
+//! From boxes to a tree: a binary tree, eight of its boxes to a node.
 
+use super::binary::{Binary, Box32, area};
+use super::leaves::Leaf;
 use super::tree::{LANES, Node, Place, Tree};
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 /// Items in a leaf.
 pub(super) const IN_LEAF: usize = 4;
@@ -32,21 +30,19 @@ impl Place {
     }
 
     /// In single precision, rounded outward.
-    fn single(&self, [low, high]: Bounds) -> Aabb {
+    fn single(&self, [low, high]: Bounds) -> Box32 {
         let at = |x: f64, i: usize| (self.scale * (x - self.centre[i])) as f32;
         let low: [f32; 3] = std::array::from_fn(|i| at(low[i], i).next_down());
         let high: [f32; 3] = std::array::from_fn(|i| at(high[i], i).next_up());
-        Aabb { min: low.into(), max: high.into() }
+        [low, high]
     }
 }
 
-/// A tree over boxes, and for each leaf the indices of at most [`IN_LEAF`] boxes in it.
-pub(super) fn build(bounds: &[Bounds]) -> (Tree, Vec<Vec<u32>>) {
+/// A tree over boxes, its leaves, and the indices of the boxes in their order.
+pub(super) fn build(bounds: &[Bounds]) -> (Tree, Vec<Leaf>, Vec<u32>) {
     let place = Place::of(around(bounds.iter().copied()));
-    let boxes: Vec<Aabb> = bounds.iter().map(|&b| place.single(b)).collect();
-    let indices = (0..boxes.len() as u32).collect();
-    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(PlocSearchDistance::Medium, &boxes, indices, SortPrecision::U64, 3);
-    ReinsertionOptimizer::default().run(&mut binary, 0.05, None);
+    let boxes: Vec<Box32> = bounds.iter().map(|&b| place.single(b)).collect();
+    let binary = Binary::new(&boxes);
     Collapse::new(&binary).run(place)
 }
 
@@ -62,18 +58,18 @@ struct Plan {
 /// The wide tree of least surface-area cost that can be made of a binary one.
 /// Ylitie, Karras & Laine (2017), Efficient incoherent ray traversal on GPUs through compressed wide BVHs, §3.1.
 struct Collapse<'a> {
-    binary: &'a Bvh2,
+    binary: &'a Binary,
     plans: Vec<Plan>,
 }
 
 impl<'a> Collapse<'a> {
-    fn new(binary: &'a Bvh2) -> Self {
+    fn new(binary: &'a Binary) -> Self {
         let nothing = Plan { cost: [0.0; LANES], split: [0; LANES], count: 0 };
-        let mut collapse = Collapse { binary, plans: vec![nothing; binary.nodes.len()] };
+        let mut collapse = Collapse { binary, plans: vec![nothing; binary.branches.len()] };
         let mut work = vec![(0_usize, false)];
         while let Some((i, ready)) = work.pop() {
-            let (node, first) = (&binary.nodes[i], binary.nodes[i].first_index as usize);
-            if node.is_leaf() || ready {
+            let (node, first) = (&binary.branches[i], binary.branches[i].first as usize);
+            if node.is_item || ready {
                 collapse.plans[i] = collapse.plan(i);
             } else {
                 work.extend([(i, true), (first, false), (first + 1, false)]);
@@ -83,12 +79,12 @@ impl<'a> Collapse<'a> {
     }
 
     fn plan(&self, i: usize) -> Plan {
-        let node = &self.binary.nodes[i];
-        let area = node.aabb().half_area();
-        if node.is_leaf() {
-            return Plan { cost: [LEAF_COST * area; LANES], split: [0; LANES], count: node.prim_count };
+        let node = &self.binary.branches[i];
+        let area = area(&node.bounds);
+        if node.is_item {
+            return Plan { cost: [LEAF_COST * area; LANES], split: [0; LANES], count: 1 };
         }
-        let [a, b] = [0, 1].map(|k| &self.plans[node.first_index as usize + k]);
+        let [a, b] = [0, 1].map(|k| &self.plans[node.first as usize + k]);
         let mut plan = Plan { cost: [0.0; LANES], split: [0; LANES], count: a.count + b.count };
         for lanes in 1..LANES {
             let ways = (0..lanes).map(|k| (a.cost[k] + b.cost[lanes - 1 - k], k as u8 + 1));
@@ -106,20 +102,19 @@ impl<'a> Collapse<'a> {
         plan
     }
 
-    fn run(&self, place: Place) -> (Tree, Vec<Vec<u32>>) {
-        let (mut nodes, mut leaves) = (vec![Node::EMPTY], Vec::new());
+    fn run(&self, place: Place) -> (Tree, Vec<Leaf>, Vec<u32>) {
+        let (mut nodes, mut leaves, mut order) = (vec![Node::EMPTY], Vec::new(), Vec::new());
         let mut work = vec![(0, 0)];
         while let Some((i, wide)) = work.pop() {
-            let mut node = Node::EMPTY;
-            for (lane, &child) in self.children(i).iter().enumerate() {
-                let bounds = self.binary.nodes[child].aabb();
-                for axis in 0..3 {
-                    node.bounds[axis][0][lane] = bounds.min[axis];
-                    node.bounds[axis][1][lane] = bounds.max[axis];
-                }
+            let children = self.children(i);
+            let boxes: Vec<_> = children.iter().map(|&c| self.binary.branches[c].bounds).collect();
+            let mut node = Node::around(&boxes);
+            for (lane, &child) in children.iter().enumerate() {
                 node.child[lane] = if self.plans[child].count as usize <= IN_LEAF {
-                    leaves.push(self.items(child));
-                    Node::leaf(leaves.len() as u32 - 1)
+                    let first = order.len();
+                    self.items(child, &mut order);
+                    leaves.push(Leaf::new(first, order.len() - first));
+                    Node::leaf(leaves[leaves.len() - 1])
                 } else {
                     nodes.push(Node::EMPTY);
                     work.push((child, nodes.len() - 1));
@@ -128,7 +123,7 @@ impl<'a> Collapse<'a> {
             }
             nodes[wide] = node;
         }
-        (Tree { nodes, place }, leaves)
+        (Tree { nodes, place }, leaves, order)
     }
 
     /// The nodes that stand for one, at most eight.
@@ -142,23 +137,22 @@ impl<'a> Collapse<'a> {
             if lanes == 0 {
                 children.push(i);
             } else {
-                let first = self.binary.nodes[i].first_index as usize;
+                let first = self.binary.branches[i].first as usize;
                 work.extend([(first + 1, lanes - split), (first, split - 1)]);
             }
         }
         children
     }
 
-    fn items(&self, node: usize) -> Vec<u32> {
-        let (mut items, mut work) = (Vec::with_capacity(IN_LEAF), vec![node]);
+    fn items(&self, node: usize, items: &mut Vec<u32>) {
+        let mut work = vec![node];
         while let Some(i) = work.pop() {
-            let (node, first) = (&self.binary.nodes[i], self.binary.nodes[i].first_index as usize);
-            if node.is_leaf() {
-                items.extend_from_slice(&self.binary.primitive_indices[first..first + node.prim_count as usize]);
+            let (node, first) = (&self.binary.branches[i], self.binary.branches[i].first as usize);
+            if node.is_item {
+                items.push(self.binary.order[first]);
             } else {
                 work.extend([first, first + 1]);
             }
         }
-        items
     }
 }

@@ -1,89 +1,99 @@
 //! Primitives four by four, with or without a tree above them.
 
 use super::build::{Bounds, IN_LEAF, build};
-use super::lanes::Lanes;
+use super::lanes::prefetch;
 use super::tree::{Slab, Tree, Visitor};
-use super::triangle::Frame;
+use super::triangle::{Coordinate, Frame};
 use super::{Hit, Sphere};
+use fearless_simd::Simd;
 
-/// Some primitives of a kind.
-pub(super) trait Leaf {
+/// One to four primitives that follow each other, in 31 bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Leaf(pub(super) u32);
+
+impl Leaf {
+    /// Primitives that can be numbered.
+    pub(super) const END: usize = 1 << 29;
+
+    pub(super) fn new(first: usize, count: usize) -> Self {
+        Leaf((first as u32) << 2 | (count as u32 - 1))
+    }
+
+    #[inline(always)]
+    pub(super) fn first(self) -> usize {
+        (self.0 >> 2) as usize
+    }
+
+    #[inline(always)]
+    pub(super) fn count(self) -> usize {
+        (self.0 & 3) as usize + 1
+    }
+}
+
+/// Primitives of a kind, leaf by leaf.
+pub(super) trait Leaves {
     /// Calls `found` with every hit before about `until`; later ones may be among them.
-    fn hits<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64, found: impl FnMut(Hit));
+    fn hits<S: Simd>(&self, simd: S, leaf: Leaf, ray: &Frame, until: f64, found: impl FnMut(Hit));
 
     /// Brings it near.
-    fn prefetch<L: Lanes>(&self, lanes: L);
+    fn prefetch(&self, leaf: Leaf);
 }
 
-/// Four triangles, their corners in single precision where that is exact.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub(super) struct Triangles<S> {
-    /// `corner[corner][axis][lane]`; NaN, which nothing hits, in lanes left over
-    corner: [[[S; IN_LEAF]; 3]; 3],
-    primitive: [u32; IN_LEAF],
+/// Triangles, their corners in single precision where that is exact.
+#[derive(Clone, Debug)]
+pub(super) struct Triangles<C> {
+    /// nine coordinates of the first triangle, …: within a leaf, the first coordinate of all its triangles, the second, …
+    corners: Vec<C>,
+    primitive: Vec<u32>,
 }
 
-/// A number that a corner can be kept in.
-pub(super) trait Coordinate: Copy + Into<f64> {
-    const NOWHERE: Self;
-    fn from_f64(x: f64) -> Self;
-}
+/// Coordinates of a full leaf.
+pub(super) const BLOCK: usize = 9 * IN_LEAF;
 
-impl Coordinate for f32 {
-    const NOWHERE: f32 = f32::NAN;
-    fn from_f64(x: f64) -> f32 {
-        x as f32
-    }
-}
-
-impl Coordinate for f64 {
-    const NOWHERE: f64 = f64::NAN;
-    fn from_f64(x: f64) -> f64 {
-        x
-    }
-}
-
-impl<S: Coordinate> Triangles<S> {
-    pub(super) fn new(triangles: impl IntoIterator<Item = (u32, [[f64; 3]; 3])>) -> Self {
-        let mut leaf = Triangles { corner: [[[S::NOWHERE; IN_LEAF]; 3]; 3], primitive: [u32::MAX; IN_LEAF] };
-        for (lane, (primitive, corners)) in triangles.into_iter().enumerate() {
-            leaf.primitive[lane] = primitive;
-            for (k, corner) in corners.iter().enumerate() {
-                for (axis, &x) in corner.iter().enumerate() {
-                    leaf.corner[k][axis][lane] = S::from_f64(x);
-                }
+impl<C: Coordinate> Triangles<C> {
+    /// Items `order[first]`, `order[first + 1]`, … in each leaf.
+    pub(super) fn new(leaves: &[Leaf], order: &[u32], triangle: impl Fn(u32) -> (u32, [[f64; 3]; 3])) -> Self {
+        let mut corners = Vec::with_capacity(9 * order.len() + BLOCK);
+        for leaf in leaves {
+            let items: Vec<_> = order[leaf.first()..leaf.first() + leaf.count()].iter().map(|&i| triangle(i).1).collect();
+            for k in 0..9 {
+                corners.extend(items.iter().map(|item| C::from_f64(item[k / 3][k % 3])));
             }
         }
-        leaf
+        // a leaf is read as if it was full
+        corners.extend([C::from_f64(0.0); BLOCK]);
+        Triangles { corners, primitive: order.iter().map(|&i| triangle(i).0).collect() }
     }
 }
 
-impl<S: Coordinate> Leaf for Triangles<S> {
+impl<C: Coordinate> Leaves for Triangles<C> {
     #[inline(always)]
-    fn prefetch<L: Lanes>(&self, lanes: L) {
-        let in_line = 64 / size_of::<[S; IN_LEAF]>();
-        self.corner.as_flattened().iter().step_by(in_line).for_each(|part| lanes.prefetch(part));
+    fn prefetch(&self, leaf: Leaf) {
+        // most leaves are in two lines of a cache
+        let (first, in_line) = (9 * leaf.first(), 64 / size_of::<C>());
+        prefetch(&self.corners[first]);
+        prefetch(&self.corners[first + in_line]);
     }
 
     #[inline(always)]
-    fn hits<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
-        ray.hits(lanes, &self.corner, until, |lane, t, u, v| found(Hit { primitive: self.primitive[lane], t, u, v }));
+    fn hits<S: Simd>(&self, simd: S, leaf: Leaf, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
+        let first = leaf.first();
+        if let Some(corners) = self.corners[9 * first..].first_chunk() {
+            ray.hits(simd, corners, leaf.count(), until, |lane, t, u, v| found(Hit { primitive: self.primitive[first + lane], t, u, v }));
+        }
     }
 }
 
-/// Up to four spheres.
+/// Spheres with their numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Spheres(pub(super) Vec<(u32, Sphere)>);
 
-impl Leaf for Spheres {
-    fn prefetch<L: Lanes>(&self, lanes: L) {
-        lanes.prefetch(self);
-    }
+impl Leaves for Spheres {
+    fn prefetch(&self, _: Leaf) {}
 
     #[inline]
-    fn hits<L: Lanes>(&self, _: L, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
-        for (primitive, sphere) in &self.0 {
+    fn hits<S: Simd>(&self, _: S, leaf: Leaf, ray: &Frame, until: f64, mut found: impl FnMut(Hit)) {
+        for (primitive, sphere) in &self.0[leaf.first()..leaf.first() + leaf.count()] {
             if let Some(t) = sphere.hit(&ray.ray().until(until)) {
                 found(Hit { primitive: *primitive, t, u: 0.0, v: 0.0 });
             }
@@ -95,7 +105,10 @@ impl Leaf for Spheres {
 #[derive(Clone, Debug)]
 pub(super) struct Forest<B> {
     tree: Option<Tree>,
-    leaves: Vec<B>,
+    /// of a forest without a tree
+    plain: Vec<Leaf>,
+    leaves: B,
+    count: usize,
 }
 
 /// A first hit in the making.
@@ -115,94 +128,101 @@ impl Nearest {
     }
 }
 
-impl<B: Leaf> Forest<B> {
+impl<B: Leaves> Forest<B> {
     /// Items with their boxes, made into leaves; a tree above them if they are more than `plain`.
-    pub(super) fn new(bounds: &[Bounds], plain: usize, leaf: impl Fn(&[u32]) -> B) -> Self {
-        if bounds.len() <= plain {
-            let all: Vec<u32> = (0..bounds.len() as u32).collect();
-            return Forest { tree: None, leaves: all.chunks(IN_LEAF).map(leaf).collect() };
+    pub(super) fn new(bounds: &[Bounds], plain: usize, leaves: impl Fn(&[Leaf], &[u32]) -> B) -> Self {
+        let count = bounds.len();
+        if count <= plain {
+            let order: Vec<u32> = (0..count as u32).collect();
+            let all: Vec<Leaf> = (0..count).step_by(IN_LEAF).map(|first| Leaf::new(first, IN_LEAF.min(count - first))).collect();
+            return Forest { tree: None, leaves: leaves(&all, &order), plain: all, count };
         }
-        let (tree, leaves) = build(bounds);
-        Forest { tree: Some(tree), leaves: leaves.iter().map(|items| leaf(items)).collect() }
+        let (tree, all, order) = build(bounds);
+        Forest { tree: Some(tree), plain: Vec::new(), leaves: leaves(&all, &order), count }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.leaves.is_empty()
+        self.count == 0
     }
 
     #[inline(always)]
-    pub(super) fn nearest<L: Lanes>(&self, lanes: L, ray: &Frame, nearest: &mut Nearest) {
+    pub(super) fn nearest<S: Simd>(&self, simd: S, ray: &Frame, nearest: &mut Nearest) {
         match &self.tree {
-            None => self.leaves.iter().for_each(|leaf| leaf.hits(lanes, ray, nearest.until, |hit| nearest.offer(hit))),
+            None => {
+                for &leaf in &self.plain {
+                    self.leaves.hits(simd, leaf, ray, nearest.until, |hit| nearest.offer(hit));
+                }
+            }
             Some(tree) => {
                 let slab = Slab::new(ray, &tree.place);
                 let limit = slab.limit(nearest.until);
-                tree.traverse(lanes, &slab, limit, &mut Closest { lanes, ray, leaves: &self.leaves, slab: &slab, nearest });
+                tree.traverse(simd, &slab, limit, &mut Closest { simd, ray, leaves: &self.leaves, slab: &slab, nearest });
             }
         }
     }
 
     #[inline(always)]
-    pub(super) fn any<L: Lanes>(&self, lanes: L, ray: &Frame, until: f64) -> bool {
+    pub(super) fn any<S: Simd>(&self, simd: S, ray: &Frame, until: f64) -> bool {
         let mut found = false;
-        let hit = |leaf: &B| {
-            let mut found = false;
-            leaf.hits(lanes, ray, until, |hit| found |= hit.t < until);
-            found
-        };
         match &self.tree {
-            None => return self.leaves.iter().any(hit),
+            None => {
+                for &leaf in &self.plain {
+                    self.leaves.hits(simd, leaf, ray, until, |hit| found |= hit.t < until);
+                }
+            }
             Some(tree) => {
                 let slab = Slab::new(ray, &tree.place);
                 let limit = slab.limit(until);
-                tree.traverse(lanes, &slab, limit, &mut Any { lanes, ray, leaves: &self.leaves, until, limit, found: &mut found });
+                tree.traverse(simd, &slab, limit, &mut Any { simd, ray, leaves: &self.leaves, until, limit, found: &mut found });
             }
         }
         found
     }
 }
 
-struct Closest<'a, L, B> {
-    lanes: L,
+struct Closest<'a, S, B> {
+    simd: S,
     ray: &'a Frame,
-    leaves: &'a [B],
+    leaves: &'a B,
     slab: &'a Slab,
     nearest: &'a mut Nearest,
 }
 
-impl<L: Lanes, B: Leaf> Visitor for Closest<'_, L, B> {
+impl<S: Simd, B: Leaves> Visitor for Closest<'_, S, B> {
     const NEAREST_FIRST: bool = true;
 
     #[inline(always)]
-    fn expect(&self, index: u32) {
-        self.leaves[index as usize].prefetch(self.lanes);
+    fn expect(&self, leaf: Leaf) {
+        self.leaves.prefetch(leaf);
     }
+
     #[inline(always)]
-    fn leaf(&mut self, index: u32) -> f32 {
-        self.leaves[index as usize].hits(self.lanes, self.ray, self.nearest.until, |hit| self.nearest.offer(hit));
+    fn leaf(&mut self, leaf: Leaf) -> f32 {
+        self.leaves.hits(self.simd, leaf, self.ray, self.nearest.until, |hit| self.nearest.offer(hit));
         self.slab.limit(self.nearest.until)
     }
 }
 
-struct Any<'a, L, B> {
-    lanes: L,
+struct Any<'a, S, B> {
+    simd: S,
     ray: &'a Frame,
-    leaves: &'a [B],
+    leaves: &'a B,
     until: f64,
     limit: f32,
     found: &'a mut bool,
 }
 
-impl<L: Lanes, B: Leaf> Visitor for Any<'_, L, B> {
+impl<S: Simd, B: Leaves> Visitor for Any<'_, S, B> {
     const NEAREST_FIRST: bool = false;
 
     #[inline(always)]
-    fn expect(&self, index: u32) {
-        self.leaves[index as usize].prefetch(self.lanes);
+    fn expect(&self, leaf: Leaf) {
+        self.leaves.prefetch(leaf);
     }
+
     #[inline(always)]
-    fn leaf(&mut self, index: u32) -> f32 {
-        self.leaves[index as usize].hits(self.lanes, self.ray, self.until, |hit| *self.found |= hit.t < self.until);
+    fn leaf(&mut self, leaf: Leaf) -> f32 {
+        self.leaves.hits(self.simd, leaf, self.ray, self.until, |hit| *self.found |= hit.t < self.until);
         if *self.found { -1.0 } else { self.limit }
     }
 }

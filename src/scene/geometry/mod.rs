@@ -16,6 +16,7 @@
 //! # Ok::<(), fredholm::Error>(())
 //! ```
 
+mod binary;
 mod build;
 mod lanes;
 mod leaves;
@@ -28,8 +29,9 @@ mod triangle;
 
 use crate::error::Error;
 use crate::scene::vector;
-use lanes::{Lanes, Machine, Task};
-use leaves::{Forest, Nearest, Spheres, Triangles};
+use fearless_simd::Simd;
+use lanes::{Machine, Task};
+use leaves::{Forest, Leaf, Nearest, Spheres, Triangles};
 pub use ray::{Hit, Ray};
 pub use shape::{Mesh, Shape, Sphere};
 pub use surface::Surface;
@@ -63,14 +65,14 @@ impl Geometry {
     ///
     /// # Errors
     ///
-    /// [`Error::TooManyPrimitives`] beyond 2³² − 2.
+    /// [`Error::TooManyPrimitives`] beyond 2²⁹.
     pub fn new(shapes: Vec<Shape>) -> Result<Self, Error> {
         let (mut first, mut total) = (Vec::with_capacity(shapes.len()), 0_usize);
         for shape in &shapes {
             first.push(u32::try_from(total).unwrap_or(u32::MAX));
             total += shape.primitives();
         }
-        let primitives = u32::try_from(total).ok().filter(|&n| n < u32::MAX).ok_or(Error::TooManyPrimitives { primitives: total })?;
+        let primitives = u32::try_from(total).ok().filter(|_| total <= Leaf::END).ok_or(Error::TooManyPrimitives { primitives: total })?;
         let degenerate = shapes.iter().map(Shape::degenerate).sum();
         let (triangles, spheres) = (kept(&shapes, &first), spheres(&shapes, &first));
         Ok(Geometry { shapes, first, primitives, degenerate, triangles, spheres, machine: Machine::detect() })
@@ -154,12 +156,12 @@ fn kept(shapes: &[Shape], first: &[u32]) -> Kept {
         }
     }
     let bounds: Vec<_> = all.iter().map(|(_, corners)| build::around(corners.map(|p| [p, p]))).collect();
-    let of = |items: &[u32]| -> Vec<(u32, [[f64; 3]; 3])> { items.iter().map(|&i| all[i as usize]).collect() };
+    let of = |i: u32| all[i as usize];
     let single = all.iter().all(|(_, corners)| corners.iter().flatten().all(|&x| f64::from(x as f32) == x));
     if single {
-        Kept::Single(Forest::new(&bounds, PLAIN, |items| Triangles::new(of(items))))
+        Kept::Single(Forest::new(&bounds, PLAIN, |leaves, order| Triangles::new(leaves, order, of)))
     } else {
-        Kept::Double(Forest::new(&bounds, PLAIN, |items| Triangles::new(of(items))))
+        Kept::Double(Forest::new(&bounds, PLAIN, |leaves, order| Triangles::new(leaves, order, of)))
     }
 }
 
@@ -167,7 +169,7 @@ fn spheres(shapes: &[Shape], first: &[u32]) -> Forest<Spheres> {
     let all: Vec<(u32, Sphere)> =
         shapes.iter().zip(first).filter_map(|(shape, &p)| if let Shape::Sphere(s) = shape { Some((p, *s)) } else { None }).collect();
     let bounds: Vec<_> = all.iter().map(|(_, s)| s.bounds()).collect();
-    Forest::new(&bounds, PLAIN, |items| Spheres(items.iter().map(|&i| all[i as usize]).collect()))
+    Forest::new(&bounds, PLAIN, |_, order| Spheres(order.iter().map(|&i| all[i as usize]).collect()))
 }
 
 struct First<'a> {
@@ -179,14 +181,14 @@ impl Task for First<'_> {
     type Output = Option<Hit>;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> Option<Hit> {
+    fn run<S: Simd>(self, simd: S) -> Option<Hit> {
         let (frame, mut nearest) = (Frame::new(self.ray), Nearest { hit: None, until: self.ray.until });
         match &self.geometry.triangles {
-            Kept::Single(forest) => forest.nearest(lanes, &frame, &mut nearest),
-            Kept::Double(forest) => forest.nearest(lanes, &frame, &mut nearest),
+            Kept::Single(forest) => forest.nearest(simd, &frame, &mut nearest),
+            Kept::Double(forest) => forest.nearest(simd, &frame, &mut nearest),
         }
         if !self.geometry.spheres.is_empty() {
-            self.geometry.spheres.nearest(lanes, &frame, &mut nearest);
+            self.geometry.spheres.nearest(simd, &frame, &mut nearest);
         }
         nearest.hit
     }
@@ -201,12 +203,12 @@ impl Task for Anything<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> bool {
+    fn run<S: Simd>(self, simd: S) -> bool {
         let frame = Frame::new(self.ray);
         let met = match &self.geometry.triangles {
-            Kept::Single(forest) => forest.any(lanes, &frame, self.ray.until),
-            Kept::Double(forest) => forest.any(lanes, &frame, self.ray.until),
+            Kept::Single(forest) => forest.any(simd, &frame, self.ray.until),
+            Kept::Double(forest) => forest.any(simd, &frame, self.ray.until),
         };
-        met || (!self.geometry.spheres.is_empty() && self.geometry.spheres.any(lanes, &frame, self.ray.until))
+        met || (!self.geometry.spheres.is_empty() && self.geometry.spheres.any(simd, &frame, self.ray.until))
     }
 }

@@ -1,8 +1,10 @@
 //! A tree of boxes, eight to a node; it knows nothing of what is in them.
 
-use super::lanes::Lanes;
+use super::lanes::prefetch;
+use super::leaves::Leaf;
 use super::triangle::Frame;
 use crate::scene::vector::{largest, scale, sub};
+use fearless_simd::{Simd, f32x8, prelude::*};
 use std::array::from_fn;
 
 /// Children of a node.
@@ -17,16 +19,28 @@ const WAITING: usize = 56;
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// `bounds[axis][side][child]`; an absent child has its low side above its high side
-    pub(super) bounds: [[[f32; LANES]; 2]; 3],
-    /// index of a node, or of a leaf if marked
+    bounds: [[[f32; LANES]; 2]; 3],
+    /// index of a node, or a leaf if marked
     pub(super) child: [u32; LANES],
 }
 
 impl Node {
     pub(super) const EMPTY: Node = Node { bounds: [[[f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]]; 3], child: [LEAF; LANES] };
 
-    pub(super) fn leaf(index: u32) -> u32 {
-        LEAF | index
+    pub(super) fn leaf(leaf: Leaf) -> u32 {
+        LEAF | leaf.0
+    }
+
+    /// At most eight boxes.
+    pub(super) fn around(boxes: &[[[f32; 3]; 2]]) -> Self {
+        let mut node = Node::EMPTY;
+        for (lane, [low, high]) in boxes.iter().enumerate() {
+            for axis in 0..3 {
+                node.bounds[axis][0][lane] = low[axis];
+                node.bounds[axis][1][lane] = high[axis];
+            }
+        }
+        node
     }
 }
 
@@ -52,7 +66,7 @@ pub(super) struct Slab {
     start: f64,
 }
 
-/// Relative error of a distance to a box: four roundings on either side.
+/// Relative error of a distance along the ray.
 const SLACK: f32 = 1.0 + 6.0 * f32::EPSILON;
 
 impl Slab {
@@ -64,12 +78,14 @@ impl Slab {
         let away = largest(far);
         let start = if away > 4.0 { away - 2.0 } else { 0.0 };
         let o: [f64; 3] = from_fn(|i| far[i] + start * d[i]);
-        let pad = |i: usize| (o[i].abs() * f64::from(2.0 * f32::EPSILON) + away * 4.0 * f64::EPSILON + 1e-20).copysign(d[i]);
+        // the rounding of o, and four of each distance, of up to |o| + 1, to a plane
+        let pad = |i: usize| ((o[i].abs() + 2.0) * f64::from(8.0 * f32::EPSILON) + away * 4.0 * f64::EPSILON + 1e-20).copysign(d[i]);
+        // parallel to a face: steep enough to be never in between, flat enough not to overflow
+        let inverse: [f32; 3] = from_fn(|i| 1.0 / (d[i] as f32).abs().max(1e-30).copysign(d[i] as f32));
         Slab {
             enter: from_fn(|i| (o[i] + pad(i)) as f32),
             leave: from_fn(|i| (o[i] - pad(i)) as f32),
-            // parallel to a face: steep enough to be never in between, flat enough not to overflow
-            inverse: from_fn(|i| 1.0 / (d[i] as f32).abs().max(1e-30).copysign(d[i] as f32)),
+            inverse,
             near: from_fn(|i| usize::from(d[i].is_sign_negative())),
             rate: ray.length * place.scale,
             start,
@@ -84,27 +100,22 @@ impl Slab {
 
     /// The boxes that the ray meets before `limit`, as bits, and where it enters them.
     #[inline(always)]
-    fn boxes<L: Lanes>(&self, lanes: L, node: &Node, limit: f32) -> (u32, [f32; LANES]) {
-        let [x, y, z] = &node.bounds;
-        let [i, j, k] = self.near;
-        let enter = self.distances(&x[i & 1], &y[j & 1], &z[k & 1], &self.enter);
-        let leave = self.distances(&x[!i & 1], &y[!j & 1], &z[!k & 1], &self.leave);
-        let max = |a: f32, b: f32| if a > b { a } else { b };
-        let min = |a: f32, b: f32| if a < b { a } else { b };
-        let enter: [f32; LANES] = from_fn(|i| max(max(enter[0][i], enter[1][i]), max(enter[2][i], 0.0)));
-        let gap: [f32; LANES] = from_fn(|i| min(min(min(leave[0][i], leave[1][i]), leave[2][i]) * SLACK, limit) - enter[i]);
-        (!lanes.below(&gap) & 0xff, enter)
+    fn boxes<S: Simd>(&self, simd: S, node: &Node, limit: f32) -> (u32, [f32; LANES]) {
+        let (enter_x, leave_x) = self.plane(simd, node, 0);
+        let (enter_y, leave_y) = self.plane(simd, node, 1);
+        let (enter_z, leave_z) = self.plane(simd, node, 2);
+        let enter = enter_x.max(enter_y).max(enter_z.max(0.0));
+        let leave = leave_x.min(leave_y).min(leave_z.min(limit));
+        (enter.simd_le(leave).to_bitmask() as u32, *enter)
     }
 
+    /// Where the ray crosses the near and the far sides of boxes across an axis.
     #[inline(always)]
-    fn distances(&self, x: &[f32; LANES], y: &[f32; LANES], z: &[f32; LANES], origin: &[f32; 3]) -> [[f32; LANES]; 3] {
-        let mut distances = [[0.0; LANES]; 3];
-        for i in 0..LANES {
-            distances[0][i] = (x[i] - origin[0]) * self.inverse[0];
-            distances[1][i] = (y[i] - origin[1]) * self.inverse[1];
-            distances[2][i] = (z[i] - origin[2]) * self.inverse[2];
-        }
-        distances
+    fn plane<S: Simd>(&self, simd: S, node: &Node, axis: usize) -> (f32x8<S>, f32x8<S>) {
+        let (bounds, near, inverse) = (&node.bounds[axis], self.near[axis], self.inverse[axis]);
+        let enter = (f32x8::simd_from(simd, bounds[near & 1]) - self.enter[axis]) * inverse;
+        let leave = (f32x8::simd_from(simd, bounds[!near & 1]) - self.leave[axis]) * inverse;
+        (enter, leave)
     }
 }
 
@@ -114,10 +125,10 @@ pub(super) trait Visitor {
     const NEAREST_FIRST: bool;
 
     /// Brings a leaf near that will be visited soon.
-    fn expect(&self, index: u32);
+    fn expect(&self, leaf: Leaf);
 
-    /// Takes leaf `index`, says up to where on the ray others are still wanted: a negative number ends the traversal.
-    fn leaf(&mut self, index: u32) -> f32;
+    /// Takes a leaf, says up to where on the ray others are still wanted: a negative number ends the traversal.
+    fn leaf(&mut self, leaf: Leaf) -> f32;
 }
 
 /// The tree.
@@ -130,18 +141,18 @@ pub(super) struct Tree {
 impl Tree {
     /// Shows the visitor every leaf whose box the ray meets before `limit`.
     #[inline(always)]
-    pub(super) fn traverse<L: Lanes, V: Visitor>(&self, lanes: L, ray: &Slab, mut limit: f32, visitor: &mut V) {
+    pub(super) fn traverse<S: Simd, V: Visitor>(&self, simd: S, ray: &Slab, mut limit: f32, visitor: &mut V) {
         let mut stack = Stack::new();
         let mut current = 0;
         loop {
             if current & LEAF != 0 {
-                limit = visitor.leaf(current & !LEAF);
+                limit = visitor.leaf(Leaf(current & !LEAF));
             } else {
                 let node = &self.nodes[current as usize];
-                lanes.prefetch(&node.child);
-                let (met, enter) = ray.boxes(lanes, node, limit);
+                prefetch(&node.child);
+                let (met, enter) = ray.boxes(simd, node, limit);
                 if met != 0 {
-                    current = self.descend(lanes, node, met, &enter, &mut stack, visitor);
+                    current = self.descend(node, met, &enter, &mut stack, visitor);
                     continue;
                 }
             }
@@ -157,11 +168,11 @@ impl Tree {
 
     /// Puts the children that are met on the stack, but for the one to go on with.
     #[inline(always)]
-    fn descend<L: Lanes, V: Visitor>(&self, lanes: L, node: &Node, met: u32, enter: &[f32; LANES], stack: &mut Stack, visitor: &V) -> u32 {
+    fn descend<V: Visitor>(&self, node: &Node, met: u32, enter: &[f32; LANES], stack: &mut Stack, visitor: &V) -> u32 {
         let i = met.trailing_zeros() as usize & 7;
         let mut rest = met & (met - 1);
         let mut next = (enter[i], node.child[i]);
-        self.expect(lanes, next.1, visitor);
+        self.expect(next.1, visitor);
         if rest == 0 {
             return next.1;
         }
@@ -173,7 +184,7 @@ impl Tree {
             if V::NEAREST_FIRST && other.0 < next.0 {
                 std::mem::swap(&mut next, &mut other);
             }
-            self.expect(lanes, other.1, visitor);
+            self.expect(other.1, visitor);
             stack.push(other);
             if V::NEAREST_FIRST {
                 stack.sort_last(base);
@@ -184,11 +195,11 @@ impl Tree {
 
     /// Large scenes wait for memory most of the time: reads begin as soon as their places are known.
     #[inline(always)]
-    fn expect<L: Lanes, V: Visitor>(&self, lanes: L, child: u32, visitor: &V) {
+    fn expect<V: Visitor>(&self, child: u32, visitor: &V) {
         if child & LEAF == 0 {
-            self.nodes[child as usize].bounds.iter().for_each(|axis| lanes.prefetch(axis));
+            self.nodes[child as usize].bounds.iter().for_each(prefetch);
         } else {
-            visitor.expect(child & !LEAF);
+            visitor.expect(Leaf(child & !LEAF));
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::Ray;
 use super::build::IN_LEAF;
-use super::lanes::Lanes;
-use std::array::from_fn;
+use super::leaves::BLOCK;
+use fearless_simd::{Simd, f32x4, f64x4, prelude::*};
 
 /// 2⁻⁵³, the relative error of one operation.
 pub(super) const UNIT: f64 = f64::EPSILON / 2.0;
@@ -43,13 +43,14 @@ impl Frame {
         Ray::new(self.origin, self.direction)
     }
 
-    /// Some corners, given by coordinate, in the coordinates of the ray; z is not yet divided by that of the direction.
+    /// The corners number k of some triangles, in the coordinates of the ray; z is not yet divided by that of the direction.
     #[inline(always)]
-    fn sheared<S: Copy + Into<f64>>(&self, corners: &[[S; IN_LEAF]; 3]) -> [Four; 3] {
-        let [x, y, z] = self.axes.map(|axis| &corners[axis]);
-        let o = self.axes.map(|axis| self.origin[axis]);
-        let z: Four = from_fn(|i| z[i].into() - o[2]);
-        [from_fn(|i| (x[i].into() - o[0]) - self.shear[0] * z[i]), from_fn(|i| (y[i].into() - o[1]) - self.shear[1] * z[i]), z]
+    fn sheared<S: Simd, C: Coordinate>(&self, simd: S, block: &[C; BLOCK], count: usize, k: usize) -> [f64x4<S>; 3] {
+        let [i, j, l] = self.axes;
+        let x = C::load(simd, block, count * (3 * k + i)) - self.origin[i];
+        let y = C::load(simd, block, count * (3 * k + j)) - self.origin[j];
+        let z = C::load(simd, block, count * (3 * k + l)) - self.origin[l];
+        [x - z * self.shear[0], y - z * self.shear[1], z]
     }
 
     /// Where the ray meets triangles, given by corner and coordinate, before `until` or little later: the lane, t > 0 and the weights of the
@@ -64,29 +65,26 @@ impl Frame {
     /// with x, y, z the largest sheared coordinates and e ≤ 2xy the largest edge: z(108 xy + 30 z(x + y))/|sum| units of rounding.
     /// Pharr, Jakob & Humphreys (2023), Physically Based Rendering, 4th edition, §6.8.7.
     #[inline(always)]
-    pub(super) fn hits<S: Copy + Into<f64>, L: Lanes>(
+    pub(super) fn hits<S: Simd, C: Coordinate>(
         &self,
-        lanes: L,
-        corners: &[[[S; IN_LEAF]; 3]; 3],
+        simd: S,
+        block: &[C; BLOCK],
+        count: usize,
         until: f64,
         mut found: impl FnMut(usize, f64, f64, f64),
     ) {
-        let (a, b, c) = (self.sheared(&corners[0]), self.sheared(&corners[1]), self.sheared(&corners[2]));
-        let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
-        let mut met = !lanes.below64(&inside(&u, &v, &w)) & 0xf;
-        if met == 0 {
+        let (a, b, c) = (self.sheared(simd, block, count, 0), self.sheared(simd, block, count, 1), self.sheared(simd, block, count, 2));
+        let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+        let inside = u.min(v).min(w).simd_ge(0.0) | u.max(v).max(w).simd_le(0.0);
+        if inside.to_bitmask() == 0 {
             return;
         }
-        let (x, y, z) = (largest(&a[0], &b[0], &c[0]), largest(&a[1], &b[1], &c[1]), largest(&a[2], &b[2], &c[2]));
-        let (stretch, until) = (self.stretch.abs(), until * (1.0 + 16.0 * f64::EPSILON));
-        let (mut sum, mut depth, mut known) = ([0.0; IN_LEAF], [0.0; IN_LEAF], [0.0; IN_LEAF]);
-        for i in 0..IN_LEAF {
-            sum[i] = u[i] + v[i] + w[i];
-            depth[i] = (u[i] * a[2][i] + v[i] * b[2][i] + w[i] * c[2][i]) * self.stretch.copysign(self.stretch * sum[i]);
-            let error = UNIT * z[i] * (108.0 * x[i] * y[i] + 30.0 * z[i] * (x[i] + y[i])) * stretch;
-            known[i] = if (depth[i] > error) & (depth[i] <= until * sum[i].abs()) { 1.0 } else { -1.0 };
-        }
-        met &= !lanes.below64(&known);
+        let (x, y, z) = (largest(a[0], b[0], c[0]), largest(a[1], b[1], c[1]), largest(a[2], b[2], c[2]));
+        let sum = u + v + w;
+        let depth = (u * a[2] + v * b[2] + w * c[2]) * f64x4::splat(simd, self.stretch).copysign(sum * self.stretch);
+        let error = z * UNIT * (x * y * 108.0 + z * (x + y) * 30.0) * self.stretch.abs();
+        let known = depth.simd_gt(error) & depth.simd_le(sum.abs() * (until * (1.0 + 16.0 * f64::EPSILON)));
+        let mut met = (inside & known).to_bitmask() & ((1 << count) - 1);
         while met != 0 {
             let i = met.trailing_zeros() as usize & (IN_LEAF - 1);
             met &= met - 1;
@@ -96,26 +94,47 @@ impl Frame {
     }
 }
 
-/// Of four triangles.
-type Four = [f64; IN_LEAF];
-
 /// On which side of the edge from q to p the ray is.
 #[inline(always)]
-fn edge(p: &[Four; 3], q: &[Four; 3]) -> Four {
-    from_fn(|i| p[0][i] * q[1][i] - p[1][i] * q[0][i])
-}
-
-/// Whether the ray is on one side of all edges: 1, or −1 where it is not or where a number is NaN.
-#[inline(always)]
-fn inside(u: &Four, v: &Four, w: &Four) -> Four {
-    let min = |a: f64, b: f64| if a < b { a } else { b };
-    let max = |a: f64, b: f64| if a > b { a } else { b };
-    from_fn(|i| if (min(min(u[i], v[i]), w[i]) >= 0.0) | (max(max(u[i], v[i]), w[i]) <= 0.0) { 1.0 } else { -1.0 })
+fn edge<S: Simd>(p: [f64x4<S>; 3], q: [f64x4<S>; 3]) -> f64x4<S> {
+    p[0] * q[1] - p[1] * q[0]
 }
 
 /// The largest absolute value.
 #[inline(always)]
-fn largest(a: &Four, b: &Four, c: &Four) -> Four {
-    let max = |a: f64, b: f64| if a > b { a } else { b };
-    from_fn(|i| max(max(a[i].abs(), b[i].abs()), c[i].abs()))
+fn largest<S: Simd>(a: f64x4<S>, b: f64x4<S>, c: f64x4<S>) -> f64x4<S> {
+    a.abs().max(b.abs()).max(c.abs())
+}
+
+/// A number that a corner can be kept in.
+pub(super) trait Coordinate: Copy + Into<f64> {
+    fn from_f64(x: f64) -> Self;
+    fn load<S: Simd>(simd: S, block: &[Self; BLOCK], start: usize) -> f64x4<S>;
+}
+
+impl Coordinate for f32 {
+    #[inline(always)]
+    fn load<S: Simd>(simd: S, block: &[f32; BLOCK], start: usize) -> f64x4<S> {
+        let (low, high) = f32x4::from_slice(simd, four(block, start)).widen();
+        low.combine(high)
+    }
+    fn from_f64(x: f64) -> f32 {
+        x as f32
+    }
+}
+
+impl Coordinate for f64 {
+    #[inline(always)]
+    fn load<S: Simd>(simd: S, block: &[f64; BLOCK], start: usize) -> f64x4<S> {
+        f64x4::from_slice(simd, four(block, start))
+    }
+    fn from_f64(x: f64) -> f64 {
+        x
+    }
+}
+
+#[inline(always)]
+fn four<C>(block: &[C; BLOCK], start: usize) -> &[C] {
+    let start = start.min(BLOCK - IN_LEAF);
+    &block[start..start + IN_LEAF]
 }

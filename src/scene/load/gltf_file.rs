@@ -62,7 +62,32 @@ fn document(name: &str, bytes: &[u8]) -> Result<(gltf::Document, Option<Vec<u8>>
     if let Some(bad) = named.find(|i| i.value() >= json.accessors.len()) {
         return Err(wrong(name, format!("a primitive names accessor {}, but there are {}", bad.value(), json.accessors.len())));
     }
+    if let Some(problem) = gap(&json) {
+        return Err(wrong(name, problem));
+    }
     gltf::Document::from_json(json).map(|document| (document, blob)).map_err(|e| wrong(name, e))
+}
+
+/// What the crate takes for granted when it is asked for it, and files may leave out.
+fn gap(json: &gltf::json::Root) -> Option<String> {
+    use gltf::json::camera::Type as Projection;
+    use gltf::json::extensions::scene::khr_lights_punctual::Type;
+    use gltf::json::validation::Checked;
+    let empty = |i: &gltf::json::Image| if i.buffer_view.is_some() { i.mime_type.is_none() } else { i.uri.is_none() };
+    let blind = |c: &gltf::json::Camera| match c.type_ {
+        Checked::Valid(Projection::Perspective) => c.perspective.is_none(),
+        Checked::Valid(Projection::Orthographic) => c.orthographic.is_none(),
+        Checked::Invalid => true,
+    };
+    if let Some(i) = json.images.iter().position(empty) {
+        return Some(format!("image {i} has neither a URI nor a buffer view with its type"));
+    }
+    if let Some(i) = json.cameras.iter().position(blind) {
+        return Some(format!("camera {i} has no projection"));
+    }
+    let lights = json.extensions.as_ref()?.khr_lights_punctual.as_ref()?;
+    let i = lights.lights.iter().position(|l| l.type_ == Checked::Valid(Type::Spot) && l.spot.is_none())?;
+    Some(format!("light {i} is a spot without a beam"))
 }
 
 impl Reader<'_> {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, Error> {
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ignore_points: true, ignore_lines: true };
-    let library = |file: &Path| tobj::load_mtl(folder.join(file));
+    let library = |file: &Path| library(&folder.join(file));
     let (models, materials) = tobj::load_obj_buf(&mut &bytes[..], &options, library).map_err(|e| wrong(name, e))?;
     let mut loaded = Loaded::empty();
     let materials = materials.unwrap_or_else(|e| {
@@ -36,6 +36,21 @@ pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, E
         loaded.builder.smooth_mesh(mesh, material, attributes)?;
     }
     Ok(loaded)
+}
+
+/// The materials of a file. One number is a grey, as the format has it; of that, and of colours cut short, the parser knows nothing.
+fn library(file: &Path) -> tobj::MTLLoadResult {
+    let bytes = std::fs::read(file).map_err(|_| tobj::LoadError::OpenFileFailed)?;
+    let mut text = String::new();
+    for line in String::from_utf8(bytes).map_err(|_| tobj::LoadError::ReadError)?.lines() {
+        match line.split_whitespace().collect::<Vec<_>>()[..] {
+            [key @ ("Ka" | "Kd" | "Ks" | "Ke"), grey] => text.extend([key, " ", grey, " ", grey, " ", grey]),
+            ["Ka" | "Kd" | "Ks" | "Ke"] | ["Ka" | "Kd" | "Ks" | "Ke", _, _] => return Err(tobj::LoadError::MaterialParseError),
+            _ => text.push_str(line),
+        }
+        text.push('\n');
+    }
+    tobj::load_mtl_buf(&mut text.as_bytes())
 }
 
 /// `Kd` diffuse, `Ks` with `Ns` a coat, `d` < 1 with `Ni` glass, `Ke` emission.

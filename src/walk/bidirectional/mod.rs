@@ -32,6 +32,7 @@ mod weights;
 pub use connect::{Beyond, Connect};
 pub use meet::{Meet, Met, meet_by_density};
 pub use pair::{PairEstimator, PairMemory};
+pub(crate) use table::MOST_EDGES;
 pub use table::Strategy;
 pub use tally::SharedPairs;
 
@@ -151,8 +152,8 @@ impl<E, F, Q> Bidirectional<E, F, Q> {
     }
 
     /// Optimal weights from `pilot` pairs for every cell, on points of their own: the heuristic, and controls that take away what the densities of the strategies
-    /// explain of the scores of paths of up to three edges (Kondapaneni et al. 2019; theory (4.4.8)). Unbiased, and not worse than the heuristic beyond the pilot's
-    /// noise, some 14/pilot.
+    /// explain of the scores of paths of up to three edges (Kondapaneni et al. 2019; theory (4.4.8)). Unbiased; the heuristic alone where the halves of the pilot
+    /// do not confirm each other's weights, so take a thousand pairs or more.
     ///
     /// Densities must be known: endings whose survival depends on the place alone, and states that are the same in both directions. Cells are solved one by one.
     ///

@@ -5,10 +5,11 @@
 //! Y = Y_w + Σ_{m ≤ 3} Σ_k α_{m,k} D_{m,k}
 //! ```
 //!
-//! x̄_s is the path of order m that strategy s makes of a pair, whether it scores or not. With the balance heuristic in Y_w this is a change of weights, w_s =
+//! x̄_s is the path of order m that strategy s makes of a pair, whether it scores or not; paths along Dirac parts have no controls, their densities being of
+//! other measures in either direction. With the balance heuristic in Y_w this is a change of weights, w_s =
 //! r_s (1 + Σ_k α_k p_k/C) − α_s p_s/C with C = h K … K g along the path: negative ones included, Σ w = 1. α comes from the regression of Y on all D in a pilot on points of its
-//! own, for every cell and component: the strategies of a pair share their walks, and the regression counts on it. Longer paths keep the heuristic. Not worse
-//! than it beyond the pilot's noise, some 14/pilot. Reference: Kondapaneni et al., *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
+//! own, for every cell and component: the strategies of a pair share their walks, and the regression counts on it. Longer paths keep the heuristic. So
+//! do all where what either half of the pilot finds takes no variance from the other: it takes some thousand pairs to see every strategy often enough. Reference: Kondapaneni et al., *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
 
 use super::pair::{Memory, PairEstimator};
 use super::table::{index, places};
@@ -120,9 +121,12 @@ where
         controls
     }
 
-    /// Adds r_k of the path that strategy (s, t) has found to every D_k of its order, and takes 1 from its own.
+    /// Adds r_k of the path that strategy (s, t) has found to every D_k of its order, and takes 1 from its own; not along Dirac parts.
     fn found(&self, cell: usize, (s, t): (usize, usize), memory: &Memory<G, K>, controls: &mut [f64]) {
         let (eye, light, kernel) = (&memory.eye[..t], &memory.light[..s], self.equation.kernel());
+        if !(eye.iter().all(|v| v.regular) && light.iter().all(|v| v.regular)) {
+            return;
+        }
         let (eye, light) = match (eye.last(), light.last()) {
             (Some(x), None) => {
                 let q = self.equation.source().emit_pdf(&kernel.forward(&x.state, Beyond::Start));

@@ -18,7 +18,7 @@ use crate::source::EmitPdf;
 use crate::statistics::{Estimate, Moments, Pooled, Tail};
 use crate::value::{Value, Weight};
 use crate::walk::Ending;
-use crate::walk::run::CELLS_WITH_TAILS;
+use crate::walk::checkpoint::CELLS_WITH_TAILS;
 use std::ops::Range;
 use std::time::Instant;
 

@@ -42,7 +42,7 @@ impl<V: Value> Strategy<V> {
 const CHUNK: u64 = 1024;
 
 /// A larger table is refused: orders up to m have (m + 1)(m + 4)/2 strategies, each with two columns of scores.
-const MOST: u64 = 64;
+pub(crate) const MOST_EDGES: u64 = 64;
 
 /// All (s, t) of orders up to `order`, by order, then by s.
 pub(super) fn places(order: u64) -> impl Iterator<Item = (u64, u64)> {
@@ -89,7 +89,7 @@ where
         if cell >= self.detector().cells() {
             return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
         }
-        if order > MOST {
+        if order > MOST_EDGES {
             return Err(Error::invalid("order", order as f64, "must be at most 64"));
         }
         if let Some(replicates) = walks.sequence.replicates() {

@@ -68,14 +68,13 @@ impl<X, L> Side<'_, X, L> {
         onward(heuristic, last, last.regular, self.last, shorter)
     }
 
-    /// Calls `f(i, p_k/p_s)` for the strategies that leave i = 1, 2, … vertices of this side to the other.
+    /// Calls `f(i, p_k/p_s)` for the strategies that leave i = 1, 2, … vertices of this side to the other, on a side without Dirac parts.
     #[inline]
     pub(super) fn each(&self, mut f: impl FnMut(usize, f64)) {
         let (n, mut product) = (self.path.len(), 1.0);
         for (i, vertex) in self.path.iter().enumerate().rev() {
-            let (reverse, joinable) = if i + 1 == n { (self.last, vertex.regular) } else { (vertex.reverse, vertex.joinable) };
-            product *= vertex.ratio(reverse);
-            f(n - i, if joinable { product } else { 0.0 });
+            product *= vertex.ratio(if i + 1 == n { self.last } else { vertex.reverse });
+            f(n - i, product);
         }
     }
 

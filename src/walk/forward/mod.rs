@@ -20,12 +20,12 @@ mod tally;
 mod trace;
 
 pub(super) use errand::Carried;
-pub(super) use run::Run;
+pub use run::Run as ForwardRun;
 pub use scoring::{Collided, Connections, ForwardScoring, Seen};
 pub use tally::ForwardTally;
 pub use trace::ForwardTrace;
 
-use super::{Collision, Ending, FixedDepth, NextEvent, Roulette, Subcritical, Walk};
+use super::{Collision, Ending, FixedDepth, InProgress, NextEvent, Progressive, Roulette, Subcritical, Walk};
 use crate::detector::Detector;
 use crate::equation::{Equation, Method};
 use crate::error::Error;
@@ -195,7 +195,7 @@ impl<C, E, Q: Sequence> Forward<C, E, Q> {
         E: Ending<K::Adjoint>,
         D: Detector<Point = G::Point>,
     {
-        Ok(Run::new(&self.walk, equation, detector)?.trace(walk))
+        Ok(ForwardRun::new(&self.walk, equation, detector)?.trace(walk))
     }
 }
 
@@ -212,6 +212,30 @@ where
     type Solution = D::Answer<Estimate<G::Value>>;
 
     fn solve(&self, equation: &Equation<G, K>, detector: &D) -> Result<Self::Solution, Error> {
-        Ok(detector.answer(Run::new(&self.walk, equation, detector)?.solve()?))
+        let mut run = ForwardRun::new(&self.walk, equation, detector)?;
+        run.advance_to(self.walk.samples)?;
+        Ok(run.answer())
+    }
+}
+
+impl<G, K, D, C, E, Q> Progressive<G, K, D> for Forward<C, E, Q>
+where
+    G: Emit,
+    K: HasAdjoint<Adjoint: Transition + Operator<Point = G::State>> + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: ForwardScoring<G, K, D>,
+    E: Ending<K::Adjoint>,
+    Q: Sequence,
+    D: Detector<Point = G::Point>,
+{
+    type Run<'a>
+        = ForwardRun<'a, G, K, D, C, E, Q>
+    where
+        G: 'a,
+        K: 'a,
+        D: 'a;
+
+    fn begin<'a>(&self, equation: &'a Equation<G, K>, detector: &'a D) -> Result<Self::Run<'a>, Error> {
+        ForwardRun::new(&self.walk, equation, detector)
     }
 }

@@ -13,57 +13,30 @@ use crate::sampling::Sequence;
 use crate::source::Emit;
 use crate::statistics::{Estimate, Moments, Pooled, Tail, Truncation};
 use crate::value::{Value, Weight};
+use crate::walk::checkpoint::{Cell, Checkpoint, Count};
 use crate::walk::driver::{Driver, End};
-use crate::walk::run::{BATCH, CELLS_WITH_TAILS, CHUNK, FRONT};
-use crate::walk::{Ending, Walk};
-use std::time::{Duration, Instant};
+use crate::walk::run::{BATCH, CHUNK, FRONT};
+use crate::walk::{Ending, InProgress, Walk};
+use std::time::Instant;
 
 /// Numbers in a table of scores: a block of walks is shorter where cells are many.
 const TABLE: usize = 1 << 20;
 /// Parts a cell of long chunks before they are merged: bounds memory.
 const COMPACT: usize = 8;
 
-/// What forward walks are made of.
-pub(crate) struct Run<'a, G: Emit, K: HasAdjoint, D, C, E, Q> {
-    pub(super) walk: Walk<C, E, Q>,
-    pub(super) equation: &'a Equation<G, K>,
-    pub(super) detector: &'a D,
+/// Forward walks in progress. Moments of cells are those of walks that may have scored there; the others scored 0.
+pub struct Run<'a, G: Emit, K: HasAdjoint, D, C, E, Q> {
+    walk: Walk<C, E, Q>,
+    equation: &'a Equation<G, K>,
+    detector: &'a D,
     adjoint: K::Adjoint,
     truncation: Option<Truncation>,
-    state: State<G::Value>,
-    elapsed: Duration,
+    state: Checkpoint<G::Value>,
 }
 
-/// One detector cell so far. Moments are those of walks that may have scored; the others scored 0.
-#[derive(Clone, Debug)]
-struct Cell<V> {
-    /// one for each replicate; a single one for independent points
-    replicates: Vec<Moments<V>>,
-    tail: Option<Tail>,
-}
-
-/// All walks so far.
-#[derive(Clone, Debug)]
-struct State<V> {
-    cells: Vec<Cell<V>>,
-    count: Count,
-}
-
-/// Walks and steps.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Count {
-    pub(crate) walks: u64,
-    pub(crate) steps: u64,
-    pub(crate) cut: u64,
-    pub(crate) truncated: u64,
-}
-
-impl Count {
-    pub(crate) fn add(&mut self, later: Count) {
-        self.walks += later.walks;
-        self.steps += later.steps;
-        self.cut += later.cut;
-        self.truncated += later.truncated;
+impl<G: Emit, K: HasAdjoint, D, C: std::fmt::Debug, E: std::fmt::Debug, Q: std::fmt::Debug> std::fmt::Debug for Run<'_, G, K, D, C, E, Q> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ForwardRun").field("walk", &self.walk).field("state", &self.state).finish_non_exhaustive()
     }
 }
 
@@ -92,42 +65,42 @@ where
         if cells > u32::MAX as usize {
             return Err(Error::invalid("cells", cells as f64, "must fit into 32 bits"));
         }
-        let cell = Cell {
-            replicates: vec![Moments::default(); walk.sequence.replicates().unwrap_or(1) as usize],
-            tail: (cells <= CELLS_WITH_TAILS).then(Tail::default),
-        };
-        let state = State { cells: vec![cell; cells], count: Count::default() };
-        Ok(Run { walk: *walk, equation, detector, adjoint, truncation, state, elapsed: Duration::ZERO })
+        // the budget may change on resume, the method may not
+        let method = format!("forward {:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
+        let state = Checkpoint::start(method, cells, &walk.sequence);
+        Ok(Run { walk: *walk, equation, detector, adjoint, truncation, state })
     }
 
     pub(super) fn replicates(&self) -> u64 {
         u64::from(self.walk.sequence.replicates().unwrap_or(1))
     }
 
-    /// All walks of the budget.
-    pub(super) fn solve(&mut self) -> Result<Vec<Estimate<G::Value>>, Error> {
+    /// Goes on until there are `samples` walks (rounded up to the replicates).
+    pub(super) fn advance_to(&mut self, samples: u64) -> Result<(), Error> {
         let clock = Instant::now();
-        let each = self.walk.samples.div_ceil(self.replicates());
-        let (mut done, mut batch) = (0, 8);
-        while done < each {
-            let chunks = (batch / self.replicates()).max(1);
-            let to = (done + chunks * CHUNK).min(each);
-            self.batch(done, to)?;
-            (done, batch) = (to, (8 * batch).min(BATCH as u64));
+        let end = samples.div_ceil(self.replicates());
+        let mut batch = 8;
+        while self.state.done < end {
+            let (from, chunks) = (self.state.done, (batch / self.replicates()).max(1));
+            // whole chunks, so that any schedule of rounds cuts the walks at the same places
+            let to = ((from / CHUNK + chunks) * CHUNK).min(end);
+            self.batch(from, to)?;
+            self.state.done = to;
+            batch = (8 * batch).min(BATCH as u64);
         }
-        self.elapsed = clock.elapsed();
-        Ok(self.estimates())
+        self.state.elapsed += clock.elapsed();
+        Ok(())
     }
 
     fn batch(&mut self, from: u64, to: u64) -> Result<(), Error> {
-        let chunks = (to - from).div_ceil(CHUNK);
+        let (first, chunks) = (from / CHUNK, to.div_ceil(CHUNK) - from / CHUNK);
         let this = &*self;
         let results = parallel::map((self.replicates() * chunks) as usize, |task| {
-            let (replicate, first) = (task as u64 / chunks, from + task as u64 % chunks * CHUNK);
-            this.chunk(replicate as u32, first, to.min(first + CHUNK))
+            let (replicate, chunk) = (task as u64 / chunks, first + task as u64 % chunks);
+            this.chunk(replicate as u32, from.max(chunk * CHUNK), to.min((chunk + 1) * CHUNK))
         });
         let results = results.into_iter().collect::<Result<Vec<_>, Error>>()?;
-        results.iter().for_each(|chunk| self.state.count.add(chunk.count));
+        results.iter().for_each(|chunk| self.state.common.add(chunk.count));
         self.merge(&results, |task| task / chunks as usize);
         Ok(())
     }
@@ -144,9 +117,9 @@ where
             None => this.chunk(0, b as u64 * size, (b as u64 + 1) * size),
         });
         let results = results.into_iter().collect::<Result<Vec<_>, Error>>()?;
-        results.iter().for_each(|chunk| self.state.count.add(chunk.count));
+        results.iter().for_each(|chunk| self.state.common.add(chunk.count));
         self.merge(&results, |batch| if replicates.is_some() { batch } else { 0 });
-        self.elapsed = clock.elapsed();
+        self.state.elapsed = clock.elapsed();
         let means = |chunk: &Chunk<G::Value>| {
             let mut means = vec![G::Value::ZERO; self.state.cells.len()];
             chunk.parts.iter().for_each(|p| means[p.cell] += p.moments.mean.scale(p.moments.count as f64 / size as f64));
@@ -246,7 +219,7 @@ where
 
     /// The walks that touched a cell and those that did not.
     fn estimate(&self, cell: &Cell<G::Value>) -> Estimate<G::Value> {
-        let Count { walks, steps, cut, truncated } = self.state.count;
+        let Count { walks, steps, cut, truncated } = self.state.common;
         let each = walks / self.replicates();
         let padded = |touched: &Moments<G::Value>| {
             let mut all = *touched;
@@ -265,7 +238,49 @@ where
             steps,
             evaluations: steps + self.walk.scoring.evaluations(self.detector) * (steps + walks - cut),
             truncation: self.truncation.map(|t| Truncation { walks: truncated, ..t }),
-            elapsed: self.elapsed,
+            elapsed: self.state.elapsed,
         }
+    }
+}
+
+impl<G, K, D, C, E, Q> InProgress for Run<'_, G, K, D, C, E, Q>
+where
+    G: Emit,
+    K: HasAdjoint<Adjoint: Transition + Operator<Point = G::State>> + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    C: ForwardScoring<G, K, D>,
+    E: Ending<K::Adjoint>,
+    Q: Sequence,
+    D: Detector<Point = G::Point>,
+{
+    type Value = G::Value;
+    type Answer = D::Answer<Estimate<G::Value>>;
+
+    fn budget(&self) -> u64 {
+        self.walk.samples
+    }
+
+    fn first(&self) -> u64 {
+        CHUNK
+    }
+
+    fn done(&self) -> u64 {
+        self.state.done * self.replicates()
+    }
+
+    fn advance(&mut self, samples: u64) -> Result<(), Error> {
+        self.advance_to(samples)
+    }
+
+    fn state(&self) -> &Checkpoint<G::Value> {
+        &self.state
+    }
+
+    fn state_mut(&mut self) -> &mut Checkpoint<G::Value> {
+        &mut self.state
+    }
+
+    fn answer(&self) -> Self::Answer {
+        self.detector.answer(self.estimates())
     }
 }

@@ -91,6 +91,7 @@ where
     ) {
         let Visit { point, weight, .. } = at.visit;
         at.detector.score(&point, weight, u, |cell, score| {
+            observer.refused(&point, cell, || at.detector.refusal(&point));
             observer.tally(&point, cell, &score);
             add(cell, score);
         });

@@ -54,6 +54,11 @@ impl<Z: Copy + Debug, W: Weight> Observer<Z, W> for Recorder<Z, W> {
         self.blame(!finite, || Error::Overflow { cell: 0, walk, vertex, at: at(), weight: weight() });
         self.vertices.push((*z, *v));
     }
+    fn refused(&mut self, z: &Z, cell: usize, why: impl FnOnce() -> Option<&'static str>) {
+        if let Some(why) = why() {
+            self.blame(true, || Error::NotScored { cell, at: format!("{z:?}"), why });
+        }
+    }
     fn tally(&mut self, z: &Z, cell: usize, score: &W::Value) {
         self.blame(!score.all_finite(), || Error::NonFiniteDetector { cell, at: format!("{z:?}"), value: format!("{score:?}") });
         self.scores.push((cell, *score));

@@ -23,7 +23,7 @@ pub use histogram::Histogram;
 pub use kernel::KernelTally;
 pub use smoothed::{Smoothed, SmoothingKernels};
 
-use super::forward::Run;
+use super::forward::ForwardRun;
 use super::{Collision, Ending, Forward, ForwardScoring, Roulette};
 use crate::detector::Detector;
 use crate::domain::Point;
@@ -151,7 +151,7 @@ where
         }
         let plan = self.tally.plan(equation, self.forward.budget())?;
         let walk = self.forward.scored_by(plan.scoring);
-        let mut run = Run::new(&walk, equation, &plan.detector)?;
+        let mut run = ForwardRun::new(&walk, equation, &plan.detector)?;
         let batches = run.batches(self.batches)?;
         let cells = run.estimates();
         // a tail that was not kept may be any

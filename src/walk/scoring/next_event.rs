@@ -15,7 +15,7 @@ use super::{Arrival, Scoring, Visit, collide};
 use crate::equation::Equation;
 use crate::kernel::{Density, Kernel, Operator};
 use crate::sampling::Sampler;
-use crate::source::SampleSource;
+use crate::source::{SampleSource, Source};
 use crate::value::{Value, Weight};
 use crate::walk::Observer;
 
@@ -77,8 +77,33 @@ where
     K::Weight: Weight<Value = G::Value>,
     O: Observer<K::Point, K::Weight>,
 {
-    let k = equation.kernel().eval(&visit.point, event);
-    observer.kernel(&visit.point, event, &k);
+    let k = edge(equation.kernel(), &visit.point, event, observer);
+    along(equation, visit, (event, k), factor, observer)
+}
+
+/// K(x, ζ).
+#[inline]
+pub(super) fn edge<K: Kernel, O: Observer<K::Point, K::Weight>>(kernel: &K, x: &K::Point, event: &K::Point, observer: &mut O) -> K::Weight {
+    let k = kernel.eval(x, event);
+    observer.kernel(x, event, &k);
+    k
+}
+
+/// factor · W K(x, ζ) g(ζ), K being known.
+#[inline]
+pub(super) fn along<G, K, O>(
+    equation: &Equation<G, K>,
+    visit: &Visit<K::Point, K::Weight>,
+    (event, k): (&K::Point, K::Weight),
+    factor: f64,
+    observer: &mut O,
+) -> G::Value
+where
+    G: SampleSource,
+    K: Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    O: Observer<K::Point, K::Weight>,
+{
     let g = equation.source().eval(event);
     observer.source(event, &g);
     let score = visit.weight.apply(k.apply(g)).scale(factor);
@@ -95,7 +120,7 @@ pub(super) fn unstated<G, K, O>(
     observer: &mut O,
 ) -> G::Value
 where
-    G: crate::source::Source,
+    G: Source,
     K: Operator,
     O: Observer<K::Point, K::Weight>,
 {

@@ -4,14 +4,15 @@
 //! Y = Y_w + Σ_n α W_n [ π/(q + π) (X_n, ζ_n)  −  1{survive} q/(q + π) (X_n, X_{n+1}) ]           theory (4.4.8), α = α_q − α_π
 //! ```
 //!
-//! Derivation: both terms of the bracket have the mean ∫ qπ/(q + π), whatever part of the space either density covers, so Y is unbiased for every α. With
-//! the balance heuristic in Y_w the weights of (Tg)(X_n) become w_q = q/(q + π) + α qπ/((q + π) K g), which may be negative: the least variance of all weights is
-//! reached by one of them, and is 0 where K g = α_q q + α_π π. α is a constant of the run, from the regression of Y on the bracket's sum over whole walks in a pilot
-//! on points of its own: best for the walk's score, and exactly Kondapaneni's for paths of one step from a point. Not worse than the heuristic alone beyond the
-//! pilot's noise, 1/pilot. Costs the densities q and π at *every* vertex, where heuristics ask for them only if g ≠ 0. Reference: Kondapaneni, Vévoda, Grittmann,
-//! Skřivan, Slusallek, Křivánek, *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
+//! Derivation: both terms of the bracket, where W_n K ≠ 0, have the mean ∫_{K ≠ 0} qπ/(q + π), whatever part of the space either density covers, so Y is
+//! unbiased for every α. (Where K = 0, π need not be what it says: scenes do not ask who hides behind a wall.) With the balance heuristic in Y_w the weights of
+//! (Tg)(X_n) become w_q = q/(q + π) + α qπ/((q + π) K g), which may be negative: the least variance of all weights is reached by one of them, and is 0 where
+//! K g = α_q q + α_π π. α is a constant of the run, from the regression of Y on the bracket's sum over whole walks in a pilot on points of its own: best for the
+//! walk's score, and exactly Kondapaneni's for paths of one step from a point; 0, which is the heuristic, where the halves of the pilot do not confirm each
+//! other. Costs the densities q and π at *every* vertex, where heuristics ask for them only if g ≠ 0. Reference: Kondapaneni, Vévoda, Grittmann, Skřivan,
+//! Slusallek, Křivánek, *Optimal multiple importance sampling*, ACM Trans. Graph. 38 (2019) 37.
 
-use super::next_event::connect;
+use super::next_event::{along, edge};
 use super::{Arrival, Heuristic, Mis, Scoring, Technique, Visit};
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
@@ -69,6 +70,9 @@ where
     ) {
         self.base.arrival(equation, visit, arrival, score, observer);
         let Arrival::Step { from, carried, .. } = arrival else { return };
+        if visit.weight.norm() == 0.0 {
+            return;
+        }
         let pi = match arrival.density() {
             Density::Known(pdf) => pdf,
             Density::Deferred(survival) => survival * equation.kernel().pdf(&from, &visit.point),
@@ -92,7 +96,11 @@ where
         let Some(event) = equation.source().sample_for(&visit.point, u) else { return };
         let (q, pi) = (1.0 / event.weight, visit.survival * equation.kernel().pdf(&visit.point, &event.point));
         let share = self.base.0.share(q, pi, Technique::First);
-        *score += connect(equation, visit, &event.point, share * event.weight, observer);
+        let k = edge(equation.kernel(), &visit.point, &event.point, observer);
+        *score += along(equation, visit, (&event.point, k), share * event.weight, observer);
+        if visit.weight.then(k).norm() == 0.0 {
+            return;
+        }
         let control = self.control(visit.weight, Heuristic::Balance.share(pi, q, Technique::Second));
         observer.score(&control);
         *score += control;

@@ -88,10 +88,17 @@ impl Happened {
                 format!("{value:.9e} ± {claimed:.0e}, true error {:.0e}", (value - truth).abs())
             }
             Happened::Doubted { value, truth, verdict } => format!("{value:.3e} (true {truth:.3e}): {verdict:?}"),
-            Happened::Refused(e) => format!("refused: {e}"),
+            Happened::Refused(e) => {
+                let words = e.to_string();
+                let rest = if words.chars().count() > WORDS { "…" } else { "" };
+                format!("refused: {}{rest}", words.chars().take(WORDS).collect::<String>())
+            }
         }
     }
 }
+
+/// Letters of a refusal that a table has room for.
+const WORDS: usize = 140;
 
 /// One row.
 pub struct Row {
