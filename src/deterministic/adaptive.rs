@@ -20,7 +20,7 @@ use super::jumps::{along_rows, jumps};
 use super::lines::{Line, kinks, lines};
 use super::nystrom::Nystrom;
 use super::solution::NystromSolution;
-use super::verify::{self, Verdict, rounding, verify};
+use super::verify::{self, Verdict, rounding, same_resolvent, verify};
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -97,10 +97,11 @@ where
 const GAUSS: [usize; 8] = [10, 16, 24, 36, 54, 80, 120, 180];
 /// Beyond this order an error must fall from one to the next to less than this.
 const PATIENCE: usize = 40;
-const PERIODIC_PATIENCE: usize = 600;
 const SLOW: f64 = 0.1;
-/// Of periodic kernels: a peak of width w takes 5/w nodes.
-const EQUIDISTANT: [usize; 16] = [10, 16, 24, 36, 54, 80, 120, 180, 270, 400, 600, 900, 1400, 2000, 3000, 4000];
+/// Of periodic kernels: a peak of width w takes 5/w nodes. Beyond an order the error must be bound to be small enough before another.
+const EQUIDISTANT: [usize; 18] = [10, 16, 24, 36, 54, 80, 120, 180, 270, 400, 600, 900, 1400, 2000, 2500, 3000, 3500, 4000];
+const PERIODIC_PATIENCE: usize = 600;
+const FARTHEST: f64 = 6000.0;
 const DOUBLE_EXPONENTIAL: [usize; 4] = [32, 64, 128, 256];
 
 fn tensor_orders(dimension: usize) -> &'static [usize] {
@@ -240,7 +241,7 @@ where
         rule: impl Fn(&K::Domain, usize) -> Result<Grid<K::Point>, Error>,
     ) -> Result<Option<NystromSolution<G, K>>, Error> {
         let dimension = self.domain().dimension();
-        let (mut last, mut change): (Option<NystromSolution<G, K>>, f64) = (None, f64::INFINITY);
+        let (mut last, mut before, mut change): (Option<NystromSolution<G, K>>, usize, f64) = (None, 0, f64::INFINITY);
         for &order in orders {
             if !self.affordable((order as f64).powi(dimension as i32)) {
                 break;
@@ -257,29 +258,26 @@ where
                     return Ok(Some(fine.with_error(error, self.evaluations)));
                 }
                 // not geometric: panels will do better
-                let patience = if fine.system().grid.is_equidistant() { PERIODIC_PATIENCE } else { PATIENCE };
-                if dimension == 1 && order > patience && error > SLOW * change {
+                let hopeless = if fine.system().grid.is_equidistant() {
+                    order > PERIODIC_PATIENCE && !(order_at(self.allowed(&fine), (before, change), (order, error)) < FARTHEST)
+                } else {
+                    order > PATIENCE && error > SLOW * change
+                };
+                if dimension == 1 && hopeless {
                     return Ok(None);
                 }
                 change = error;
             }
-            last = Some(fine);
+            (last, before) = (Some(fine), order);
         }
         Ok(None)
     }
 }
 
-/// Whether two rules agree on how close 1 is to the spectrum: where g has nothing of the null function, f does not tell.
-fn same_resolvent<G, K>(coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> bool
-where
-    G: Source,
-    K: Kernel + HasDomain + Operator<Point = G::Point>,
-    K::Weight: Weight<Value = G::Value>,
-{
-    const HARMLESS: f64 = 1e4;
-    const SAME: f64 = 3.0;
-    let (a, b) = (coarse.inverse_norm(), fine.inverse_norm());
-    b < HARMLESS || (b < SAME * a && a < SAME * b)
+/// Order at which an error that falls geometrically, from one (order, error) to another, comes to `allowed`; no number if it does not fall.
+fn order_at(allowed: f64, (before, earlier): (usize, f64), (order, error): (usize, f64)) -> f64 {
+    let rate = (earlier / error).ln() / (order - before) as f64;
+    if rate > 0.0 { order as f64 + (error / allowed).ln() / rate } else { f64::NAN }
 }
 
 /// The segments cut at jumps; one found takes the place of one declared close by.

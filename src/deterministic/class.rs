@@ -64,7 +64,7 @@ pub struct KernelClass {
     pub periodic: bool,
     /// Numerical rank to 12 digits, if it is at most 24.
     pub rank: Option<usize>,
-    /// K(x, ·) is singular at the lower and at the upper end of the domain.
+    /// K(x, ·) is singular at the lower and at the upper end of the domain, for x inside or at the other end.
     pub singular_ends: [bool; 2],
     /// Mean distance between zeros of a row in units of the coordinate, if there are more than eight.
     pub half_wave: Option<f64>,

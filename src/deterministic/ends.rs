@@ -30,7 +30,7 @@ const HALVINGS: i32 = 34;
 /// What is singular at coordinates 0 and 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Ends {
-    /// K(x, ·)
+    /// K(x, ·), for x inside or at the other end
     pub(crate) rows: [bool; 2],
     /// K(x, ·) grows beyond all bounds
     pub(crate) unbounded: [bool; 2],
@@ -75,6 +75,7 @@ impl Ends {
                     ends.solution[i] |= along.growth(domain, to, |y| column(y, e)) > SINGULAR;
                 }
             }
+            ends.rows[i] |= domain.volume().is_finite() && along.is_singular_from_the_other(kernel);
         }
         ends
     }
@@ -199,6 +200,16 @@ impl Approach {
         let resolved = 256.0 * reach(domain, end);
         let distances = (0..HALVINGS).map(|k| FARTHEST * 0.5f64.powi(k)).filter(|d| *d > resolved).collect();
         Approach { end, distances }
+    }
+
+    /// Whether rows at the other end are singular at this one, as those of a circle that was cut are.
+    fn is_singular_from_the_other<K: Kernel + HasDomain>(&self, kernel: &K) -> bool {
+        let (domain, c) = (kernel.domain(), components::<K>());
+        (0..domain.states().pow(2)).any(|states| {
+            let x = domain.place(states / domain.states(), || 1.0 - self.end).point;
+            let row = |e: usize| move |y: &K::Point| kernel.eval(&x, y).entry(e / c, e % c);
+            (0..c * c).any(|e| self.growth(domain, states % domain.states(), row(e)) > SINGULAR)
+        })
     }
 
     /// By what differences of φ grow when the distance is halved; 0 where there are none to speak of.

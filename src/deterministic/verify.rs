@@ -83,6 +83,19 @@ where
     0.5 * f64::EPSILON * (f.magnitude() + worst.0)
 }
 
+/// Whether two rules agree on how close 1 is to the spectrum: where g has nothing of the null function, f does not tell.
+pub(super) fn same_resolvent<G, K>(coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> bool
+where
+    G: Source,
+    K: Kernel + HasDomain + Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+{
+    const HARMLESS: f64 = 1e4;
+    const SAME: f64 = 3.0;
+    let (a, b) = (coarse.inverse_norm(), fine.inverse_norm());
+    b < HARMLESS || (b < SAME * a && a < SAME * b)
+}
+
 pub(super) struct Check<'a, G: Source, K: Operator> {
     pub(super) equation: &'a Equation<G, K>,
     pub(super) fine: &'a NystromSolution<G, K>,

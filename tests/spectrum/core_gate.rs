@@ -1,4 +1,4 @@
-//! The core gate of problems §2 but for S5 with c = 0.99 and C5, which are refused: every entry at requested tolerances 10⁻⁶, 10⁻⁹ and the tightest, against closed forms or printed digits.
+//! The core gate of problems §2: every entry at requested tolerances 10⁻⁶, 10⁻⁹ and the tightest, against closed forms or printed digits.
 //!
 //! The error is within the tolerance, and never above what the solve itself reports.
 
@@ -128,13 +128,15 @@ fn smooth_and_peaked() {
         failed.extend(closed("S4", (0.0, 1.0), &|x| f(x) - 0.25 * image(x), &|x, y| 0.25 * c / (c * c + (x - y).powi(2)), 1e-12, &f));
     }
     let wave = |x: f64| (3.0 * TAU * x).cos();
-    // c = 0.99 is refused below 1e-6: its peaks cross the diagonal
-    for c in [0.5f64, 0.8] {
+    for c in [0.8f64, 0.99] {
         let g = move |x: f64| (1.0 - 0.5 * c.powi(3)) * wave(x);
         let k = move |x: f64, y: f64| 0.5 * (1.0 - c * c) / (1.0 + c * c - 2.0 * c * (TAU * (x + y)).cos());
         failed.extend(closed("S5", (0.0, 1.0), &g, &k, 1e-12, &wave));
-        let known = [0.0, 0.21, 0.5, 0.97].map(|x| (x, wave(x)));
-        failed.extend(on("S5, periodic", Periodic::from(0.0..=1.0), &g, &k, 1e-12, CLOSED, &known));
+        // four thousand unknowns again are not needed
+        if c < 0.9 {
+            let known = [0.0, 0.21, 0.5, 0.97].map(|x| (x, wave(x)));
+            failed.extend(on("S5, periodic", Periodic::from(0.0..=1.0), &g, &k, 1e-12, CLOSED, &known));
+        }
     }
     let k = |x: f64, y: f64| -(0.3 / PI) / (1.0 - 0.64 * (0.5 * (x + y)).cos().powi(2));
     failed.extend(closed("S8", (-PI, PI), &|x| 25.0 - 16.0 * x.sin().powi(2), &k, 1e-13, &|x| 8.5 + 128.0 / 17.0 * (2.0 * x).cos()));
@@ -187,6 +189,9 @@ fn kinks_logarithms_and_powers() {
     // C4, α = 0.4: the eigenfunction x of eigenvalue πα/cos(πα/2)
     let k = |x: f64, y: f64| 0.1 * (1.0 - y * y).powf(-0.3) * (x - y).abs().powf(-0.4);
     failed.extend(closed("C4", (-1.0, 1.0), &|x| x, &k, 1e-12, &|x| x / (1.0 - 0.04 * PI / (0.2 * PI).cos())));
+    // C5: e^{imx} → −1/|m|
+    let k = |x: f64, y: f64| (4.0 * (0.5 * (x - y)).sin().powi(2)).ln() / TAU;
+    failed.extend(closed("C5", (0.0, TAU), &|x| (3.0 * x).cos(), &k, 1e-12, &|x| (3.0 * x).cos() / (1.0 + 1.0 / 3.0)));
     for (t, c, values) in [
         (1.0, 0.9, [1.83088362677178, 2.28566553054175, 2.39603055840591]),
         // the table has 5.56041880095695: a misprint in the eighth digit; the stored reference slab-c1-a5-uniform has this
