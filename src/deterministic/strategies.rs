@@ -9,6 +9,7 @@ use super::Nystrom;
 use super::grid::Grid;
 use super::one_step::Composed;
 use super::variance::source_values;
+use crate::contained::contained;
 use crate::detector::StartPdf;
 use crate::domain::{Node, Point};
 use crate::equation::Query;
@@ -58,6 +59,21 @@ where
     /// # Errors
     /// [`Error::Invalid`] for a cell that the detector does not have, orders above 64, and endings whose survival depends on more than the place; those of the rule.
     pub fn predict_strategies<E, F, Q>(
+        &self,
+        walks: &Bidirectional<E, F, Q>,
+        cell: usize,
+        order: u64,
+        rule: &Nystrom,
+    ) -> Result<Vec<PredictedStrategy>, Error>
+    where
+        E: Ending<K>,
+        F: Ending<K::Adjoint>,
+        Q: Sequence,
+    {
+        contained(|| self.predicted(walks, cell, order, rule))
+    }
+
+    fn predicted<E, F, Q>(
         &self,
         walks: &Bidirectional<E, F, Q>,
         cell: usize,

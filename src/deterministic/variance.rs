@@ -13,6 +13,7 @@ use super::grid::Grid;
 use super::linear::Factor;
 use super::nystrom::Nystrom;
 use super::one_step::{Composed, OneStep, Predictable, Rows};
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -100,21 +101,23 @@ where
         C: Predictable<G, K>,
         E: Ending<K>,
     {
-        self.validate()?;
-        let (scoring, ending) = (*walk.scores_by(), *walk.ends_by());
-        ending.validate()?;
-        scoring.validate(self, &ending)?;
-        let grid = rule.grid(self.kernel().domain())?;
-        for n in &grid.nodes {
-            if ending.survival_at(self.kernel(), &n.point).is_none() {
-                return Err(Error::invalid(
-                    "ending",
-                    f64::NAN,
-                    "the variance is predicted for survival that depends on the place alone: constant roulette, Subcritical, OwnAbsorption",
-                ));
+        contained(|| {
+            self.validate()?;
+            let (scoring, ending) = (*walk.scores_by(), *walk.ends_by());
+            ending.validate()?;
+            scoring.validate(self, &ending)?;
+            let grid = rule.grid(self.kernel().domain())?;
+            for n in &grid.nodes {
+                if ending.survival_at(self.kernel(), &n.point).is_none() {
+                    return Err(Error::invalid(
+                        "ending",
+                        f64::NAN,
+                        "the variance is predicted for survival that depends on the place alone: constant roulette, Subcritical, OwnAbsorption",
+                    ));
+                }
             }
-        }
-        predict(self, (scoring, ending), grid)
+            predict(self, (scoring, ending), grid)
+        })
     }
 }
 

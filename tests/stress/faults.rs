@@ -1,7 +1,9 @@
 //! What a run must survive: being killed, a full disk, a panic in a function of the user's, a long time.
 
 use crate::erased::Equation;
-use fredholm::{Error, Walk};
+use fredholm::deterministic::Nystrom;
+use fredholm::walk::Roulette;
+use fredholm::{Bidirectional, Error, Walk};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -186,4 +188,31 @@ fn memory_stays_flat() {
     let at = |samples: u64| peaks.iter().find(|p| p[0] >= samples).unwrap()[1];
     assert!(at(1 << 24) <= at(1 << 22) + 2048, "KiB by walks: {text}");
     std::fs::remove_dir_all(folder).ok();
+}
+
+/// What runs before a solve meets the same functions: pilots, predictions, tables of strategies.
+#[test]
+fn panics_in_pilots_and_predictions_are_errors() {
+    let k = |x: f64, _: f64| if x > 0.25 { panic!("no K here") } else { 0.5 };
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, k);
+    let (query, half) = (eq.at(0.5), Roulette::constant(0.5));
+    let pairs = Bidirectional::new().roulette(half);
+    for result in [
+        query.optimal(&Walk::mis(), 64).map(drop),
+        query.strategies(&pairs, 0, 2).map(drop),
+        query.bidirectional(&pairs.optimal(64)).map(drop),
+        query.predict_strategies(&pairs, 0, 2, &Nystrom::gauss_legendre(4)).map(drop),
+        eq.predict(&Walk::collision().roulette(half)).map(drop),
+    ] {
+        assert!(matches!(&result, Err(Error::Panicked { message }) if message == "no K here"), "{result:?}");
+    }
+}
+
+/// A table of strategies has the weights of the heuristic: no pilot is run for it, nor refused.
+#[test]
+fn tables_of_strategies_need_no_pilot() {
+    let eq = Equation::on_interval(0.0..=1.0, |x| 1.0 + x, |x: f64, y: f64| 0.5 * x * y);
+    let pairs = Bidirectional::new().samples_per_cell(256);
+    let table = |pairs: &Bidirectional| eq.at(0.5).strategies(pairs, 0, 2).unwrap().iter().map(|s| s.weighted.mean).collect::<Vec<_>>();
+    assert_eq!(table(&pairs), table(&pairs.optimal(2)));
 }

@@ -32,11 +32,13 @@ mod weights;
 pub use connect::{Beyond, Connect};
 pub use meet::{Meet, Met, meet_by_density};
 pub use pair::{PairEstimator, PairMemory};
+pub use strategies::Strategies;
 pub(crate) use table::MOST_EDGES;
 pub use table::Strategy;
 pub use tally::SharedPairs;
 
 use super::{Ending, Heuristic, Roulette, Walk};
+use crate::contained::contained;
 use crate::equation::{Equation, Method, Query};
 use crate::error::Error;
 use crate::estimator::{estimate, score_block};
@@ -45,39 +47,6 @@ use crate::sampling::{Pcg, Sequence, pilot_points};
 use crate::source::EmitPdf;
 use crate::statistics::Estimate;
 use crate::value::Weight;
-
-/// Which strategies are summed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Strategies {
-    /// Those of all orders: f.
-    #[default]
-    All,
-    /// Those of paths of m edges: Tᵐ g.
-    Order(u64),
-    /// s vertices from the source and t from the detector, unweighted: T^{s+t−1} g, if this strategy can find every path.
-    One {
-        /// Vertices from the source.
-        s: u64,
-        /// Vertices from the detector.
-        t: u64,
-    },
-}
-
-impl Strategies {
-    /// The s to be joined with t vertices of a backward walk, of a forward walk of `light` vertices.
-    #[inline]
-    fn range(self, t: usize, light: usize) -> std::ops::Range<usize> {
-        let only = |s: Option<u64>| match s {
-            Some(s) if s <= light as u64 => s as usize..s as usize + 1,
-            _ => 0..0,
-        };
-        match self {
-            Strategies::All => 0..light + 1,
-            Strategies::Order(m) => only(m.checked_add(1).and_then(|vertices| vertices.checked_sub(t as u64))),
-            Strategies::One { s, t: own } => only((own == t as u64).then_some(s)),
-        }
-    }
-}
 
 /// Bidirectional walks: weights × endings × sequence, and a budget of pairs.
 ///
@@ -270,7 +239,7 @@ where
         F: Ending<K::Adjoint>,
         Q: Sequence,
     {
-        walks.bind(self.equation(), self.detector())
+        contained(|| walks.bind(self.equation(), self.detector()))
     }
 }
 

@@ -7,13 +7,46 @@
 use super::pair::{Joined, Memory, PairEstimator};
 use super::path::{Matrix, Vertex};
 use super::weights::Side;
-use super::{Beyond, Connect, Meet, Met, Strategies};
+use super::{Beyond, Connect, Meet, Met};
 use crate::kernel::{HasAdjoint, Operator, TransitionPdf};
 use crate::sampling::{Purpose, Sampler};
 use crate::source::EmitPdf;
 use crate::value::{Value, Weight};
 use crate::walk::Ending;
 use crate::walk::forward::Carried;
+
+/// Which strategies are summed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Strategies {
+    /// Those of all orders: f.
+    #[default]
+    All,
+    /// Those of paths of m edges: Tᵐ g.
+    Order(u64),
+    /// s vertices from the source and t from the detector, unweighted: T^{s+t−1} g, if this strategy can find every path.
+    One {
+        /// Vertices from the source.
+        s: u64,
+        /// Vertices from the detector.
+        t: u64,
+    },
+}
+
+impl Strategies {
+    /// The s to be joined with t vertices of a backward walk, of a forward walk of `light` vertices.
+    #[inline]
+    pub(super) fn range(self, t: usize, light: usize) -> std::ops::Range<usize> {
+        let only = |s: Option<u64>| match s {
+            Some(s) if s <= light as u64 => s as usize..s as usize + 1,
+            _ => 0..0,
+        };
+        match self {
+            Strategies::All => 0..light + 1,
+            Strategies::Order(m) => only(m.checked_add(1).and_then(|vertices| vertices.checked_sub(t as u64))),
+            Strategies::One { s, t: own } => only((own == t as u64).then_some(s)),
+        }
+    }
+}
 
 impl<G, K, D, E, F> PairEstimator<'_, G, K, D, E, F>
 where

@@ -2,6 +2,7 @@
 
 use super::pair::{Memory, PairEstimator};
 use super::{Bidirectional, Connect, Meet};
+use crate::contained::contained;
 use crate::equation::Query;
 use crate::error::Error;
 use crate::estimator::Estimator;
@@ -80,6 +81,15 @@ where
     /// Those of a solve; [`Error::Invalid`] for a cell that the detector does not have, orders above 64, and sequences with replicates, whose points say
     /// nothing about the error of a strategy.
     pub fn strategies<E, F, Q>(&self, walks: &Bidirectional<E, F, Q>, cell: usize, order: u64) -> Result<Vec<Strategy<G::Value>>, Error>
+    where
+        E: Ending<K>,
+        F: Ending<K::Adjoint>,
+        Q: Sequence,
+    {
+        contained(|| self.measured(&Bidirectional { pilot: None, ..*walks }, cell, order))
+    }
+
+    fn measured<E, F, Q>(&self, walks: &Bidirectional<E, F, Q>, cell: usize, order: u64) -> Result<Vec<Strategy<G::Value>>, Error>
     where
         E: Ending<K>,
         F: Ending<K::Adjoint>,

@@ -14,6 +14,7 @@
 
 use super::next_event::{along, edge};
 use super::{Arrival, Heuristic, Mis, Scoring, Technique, Visit};
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
 use crate::error::Error;
@@ -143,6 +144,16 @@ where
         if pilot < 2 {
             return Err(Error::invalid("pilot", pilot as f64, "must be at least 2 walks"));
         }
+        let alpha = contained(|| self.control(walk, pilot))?;
+        Ok(walk.scored_by(OptimalMis { base: walk.scoring, alpha }))
+    }
+
+    /// α of a pilot.
+    fn control<E, Q>(&self, walk: &Walk<Mis, E, Q>, pilot: u64) -> Result<G::Value, Error>
+    where
+        E: Ending<K>,
+        Q: Sequence,
+    {
         let scored = |share: f64| {
             let walk = walk.scored_by(OptimalMis { base: walk.scoring, alpha: G::Value::from_components(|_| share) });
             let (bound, points) = (WalkEstimator::bind(self, &walk)?, pilot_points(&walk.sequence));
@@ -158,6 +169,6 @@ where
             let unexplained = || Error::NonFiniteScore { sample: 0, replicate: 0, score: "the pilot's sums".into() };
             *alpha = coefficients(&[control], &scores).ok_or_else(unexplained)?[0];
         }
-        Ok(walk.scored_by(OptimalMis { base: walk.scoring, alpha: G::Value::from_components(|c| alpha[c]) }))
+        Ok(G::Value::from_components(|c| alpha[c]))
     }
 }
