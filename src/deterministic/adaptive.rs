@@ -182,6 +182,7 @@ where
     pub(super) fn verified(&mut self, coarse: &NystromSolution<G, K>, fine: &NystromSolution<G, K>) -> Result<Verdict, Error> {
         let allowed = self.allowed(fine);
         let mut verdict = verify(self.equation, coarse, fine, allowed)?;
+        verdict.error *= self.tail.map_or(1.0, |tail| tail.alike(coarse.unknowns(), fine.unknowns()));
         let rounding = verify::ROUNDING * rounding(fine);
         // the farther nodes reach, the closer 1 comes to the spectrum
         if !self.domain().volume().is_finite() && rounding > allowed && fine.inverse_norm() > APPROACHED * coarse.inverse_norm() {

@@ -147,6 +147,13 @@ pub(super) struct Tail {
     pub(super) mass: f64,
 }
 
+impl Tail {
+    /// The error of n nodes over what m < n nodes change, at least 1: both leave n^{−2q} of |y|^{−1−q}, q < 1, towards infinity.
+    pub(super) fn alike(self, m: usize, n: usize) -> f64 {
+        1.0f64.max(1.0 / ((n as f64 / m as f64).powf(2.0 * (self.power - 1.0)) - 1.0))
+    }
+}
+
 /// The heaviest tail of K(x, ·), where it is no smooth function of the coordinate: powers below 2.
 pub(super) fn tail<K: Kernel + HasDomain>(kernel: &K) -> Option<Tail> {
     const OUTERMOST: f64 = 1.0 / (1u64 << 42) as f64;
