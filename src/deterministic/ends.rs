@@ -16,7 +16,7 @@ use crate::source::Source;
 use crate::value::{Value, Weight};
 
 /// Differences that fall less than to this are those of a singularity: r ln r comes to ½ slowly.
-const SINGULAR: f64 = 0.505;
+pub(super) const SINGULAR: f64 = 0.505;
 /// Those of a logarithm stay as they are, those of d^{−β} grow.
 const UNBOUNDED: f64 = 0.98;
 /// ∫ d^{−½} below this distance is nothing.
@@ -148,9 +148,11 @@ pub(super) struct Tail {
 }
 
 impl Tail {
-    /// The error of n nodes over what m < n nodes change, at least 1: both leave n^{−2q} of |y|^{−1−q}, q < 1, towards infinity.
+    /// The error of n nodes over what m < n nodes change, at least 1: both leave n^{−2q} of |y|^{−1−q}, q < 1, towards infinity, and half as much again
+    /// where few nodes are not there yet.
     pub(super) fn alike(self, m: usize, n: usize) -> f64 {
-        1.0f64.max(1.0 / ((n as f64 / m as f64).powf(2.0 * (self.power - 1.0)) - 1.0))
+        const EARLY: f64 = 1.5;
+        1.0f64.max(EARLY / ((n as f64 / m as f64).powf(2.0 * (self.power - 1.0)) - 1.0))
     }
 }
 
