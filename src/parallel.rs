@@ -6,6 +6,9 @@ use std::sync::{Mutex, PoisonError};
 
 /// `f(0), …, f(count − 1)`, in order, on all cores if the feature `parallel` is on. Floating-point sums happen elsewhere, serially.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    if count <= 1 {
+        return (0..count).map(f).collect();
+    }
     let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
     each(count, &|i| {
         let found = Some(f(i));
@@ -50,6 +53,10 @@ fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
 #[cfg(feature = "parallel")]
 pub(crate) fn chunks<T: Send, R: Send>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) -> R + Send + Sync) -> Vec<R> {
     use rayon::prelude::*;
+    // one task wakes no thread
+    if data.len() <= size {
+        return data.chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect();
+    }
     let f: &(dyn Fn(usize, &mut [T]) -> R + Sync) = &f;
     data.par_chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect()
 }

@@ -10,6 +10,9 @@ use crate::kernel::{HasDomain, Kernel};
 use crate::parallel;
 use crate::value::Weight;
 
+/// Matrices up to this size are done before a thread is awake.
+const SMALL: usize = 32;
+
 impl<X: Point> Grid<X> {
     /// Coordinates where the row at a target crosses lines in or near a panel.
     fn crossings<K: Kernel<Point = X> + HasDomain>(&self, target: &Target<'_, K>, (a, b): (f64, f64)) -> impl Iterator<Item = f64> {
@@ -117,8 +120,12 @@ impl<X: Point> Grid<X> {
         let width = self.nodes.len() * c;
         check_size(width as f64)?;
         let mut matrix = vec![0.0; width * width];
-        let counts = parallel::chunks(&mut matrix, c * width, |i, row| self.row(kernel, &self.nodes[i].point, row));
-        let evaluations = counts.into_iter().sum::<Result<_, _>>()?;
+        let row = |i: usize, row: &mut [f64]| self.row(kernel, &self.nodes[i].point, row);
+        let evaluations = if width <= SMALL {
+            matrix.chunks_mut(c * width).enumerate().map(|(i, values)| row(i, values)).sum::<Result<_, _>>()?
+        } else {
+            parallel::chunks(&mut matrix, c * width, row).into_iter().sum::<Result<_, _>>()?
+        };
         Ok((matrix, evaluations))
     }
 }
