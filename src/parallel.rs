@@ -16,6 +16,19 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -
     slots.into_iter().map(|slot| result(slot).expect("every task has run")).collect()
 }
 
+/// The same for many short tasks, in runs of them.
+pub(crate) fn map_short<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    const RUN: usize = 1 << 14;
+    if count <= RUN {
+        return (0..count).map(f).collect();
+    }
+    let mut all = Vec::with_capacity(count);
+    map(count.div_ceil(RUN), |k| (k * RUN..count.min((k + 1) * RUN)).map(&f).collect())
+        .into_iter()
+        .for_each(|mut run| all.append(&mut run));
+    all
+}
+
 /// Calls `f` with 0, …, count − 1, each once, in any order.
 #[cfg(feature = "parallel")]
 fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
