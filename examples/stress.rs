@@ -1,7 +1,7 @@
 //! What happens at the edge? A table of hard inputs: near-critical, singular, huge, tiny, cancelling, oscillating, heavy-tailed, far away.
 //!
 //! Equation: f(x) = g(x) + ∫ K(x, y) f(y) dy for a hundred hard K and g. Answer: for each, the value with its error, or the refusal; none may be wrong
-//! without saying so. The rows are those of the test `stress`, with more walks.
+//! without saying so. `--small` is what the test `stress` runs.
 //!
 //! `cargo run --release --example stress -- [--small] [--out target/stress.md]`
 #![allow(clippy::print_stdout)]

@@ -30,15 +30,8 @@ fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
 }
 
 /// `f(i, i-th chunk of size items)` for all chunks of a slice, the last of which may be shorter; results in order.
-#[cfg(feature = "parallel")]
 pub(crate) fn chunks<T: Send, R: Send>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) -> R + Send + Sync) -> Vec<R> {
-    use rayon::prelude::*;
-    let f: &(dyn Fn(usize, &mut [T]) -> R + Sync) = &f;
-    data.par_chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect()
-}
-
-/// `f(i, i-th chunk of size items)` for all chunks of a slice, the last of which may be shorter; results in order.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn chunks<T, R>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) -> R) -> Vec<R> {
-    data.chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect()
+    let parts: Vec<Mutex<&mut [T]>> = data.chunks_mut(size).map(Mutex::new).collect();
+    // nobody else asks for this part
+    map(parts.len(), |i| f(i, &mut parts[i].lock().unwrap_or_else(PoisonError::into_inner)))
 }

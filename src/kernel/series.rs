@@ -5,6 +5,7 @@
 //! subtraction; Kantorovich, Krylov, *Approximate methods of higher analysis*, 1958, ch. II §1.5).
 
 use super::{HasDomain, Kernel};
+use crate::deterministic::erased;
 use crate::deterministic::quadrature::unit_rule;
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
@@ -110,6 +111,10 @@ const SIGMAS: f64 = 3.0;
 
 /// Σ |T|ⁿ of any kernel that can be evaluated on a domain: what [`Operator::series`](super::Operator::series) of such a kernel returns.
 pub(crate) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
+    by_values(&erased(kernel))
+}
+
+fn by_values<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
     kernel.domain().validate()?;
     let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let budget = (UNKNOWNS / components.max(1) / kernel.domain().states()).max(12);

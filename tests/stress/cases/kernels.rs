@@ -1,6 +1,6 @@
 //! Hard kernels: close to critical, huge and tiny, cancelling, peaked, singular, oscillating, far away.
 
-#![allow(unreachable_pub, reason = "shared by a test and an example")]
+#![allow(unreachable_pub, reason = "a module of the example `stress`")]
 
 use super::table::{Known, Row, Should, all_ways, known};
 use Should::{Answer, AnswerOrRefuse, Blind, Refuse};

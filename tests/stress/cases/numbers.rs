@@ -1,6 +1,6 @@
 //! Hard numbers: sums of 10⁹ scores, long walks, weights beyond the range of floating point, heavy tails.
 
-#![allow(unreachable_pub, reason = "shared by a test and an example")]
+#![allow(unreachable_pub, reason = "a module of the example `stress`")]
 
 use super::table::{Happened, Row, Should, known};
 use Should::{Answer, AnswerOrRefuse, Refuse};

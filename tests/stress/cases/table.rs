@@ -1,6 +1,6 @@
 //! The table of stress: an input, a method, what should happen, what did. The test asserts it, `examples/stress` prints it.
 
-#![allow(dead_code, unreachable_pub, reason = "the test and the example each use their part")]
+#![allow(dead_code, unreachable_pub, reason = "a module of the example `stress`")]
 
 use fredholm::deterministic::{Nystrom, PredictedVariance};
 use fredholm::domain::Interval;
