@@ -29,6 +29,23 @@ pub(crate) fn map_short<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + S
     all
 }
 
+/// `f()` on one of the threads that [`map`] and [`chunks`] use: many calls of those, each short, wake no thread from outside.
+pub(crate) fn within<R: Send>(f: impl FnOnce() -> R + Send) -> R {
+    let (mut f, mut found) = (Some(f), None);
+    run(&mut || found = f.take().map(|f| f()));
+    found.expect("the task has run")
+}
+
+#[cfg(feature = "parallel")]
+fn run(task: &mut (dyn FnMut() + Send)) {
+    rayon::scope(|_| task());
+}
+
+#[cfg(not(feature = "parallel"))]
+fn run(task: &mut (dyn FnMut() + Send)) {
+    task();
+}
+
 /// Calls `f` with 0, …, count − 1, each once, in any order.
 #[cfg(feature = "parallel")]
 fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {

@@ -53,6 +53,28 @@ fn solutions_singular_at_ends_take_few_unknowns() {
 }
 
 #[test]
+fn layers_of_g_are_seen() {
+    let unit = Interval::from(0.0..=1.0);
+    let layer = |r: f64, w: f64| (-r / w).exp();
+    for w in [1e-4, 1e-5] {
+        let f = move |x: f64, r: f64| layer(r, w) + 2.0 / 3.0 * w * x;
+        let known = [0.0, w, 0.3, 1.0 - w, 1.0];
+        holds("lower end", unit, &|x| layer(*x, w), &|x, _| 0.5 * x, 1e-6, &known.map(|x| (x, f(x, x))));
+        holds("upper end", unit, &|x| layer(1.0 - x, w), &|x, _| 0.5 * x, 1e-6, &known.map(|x| (x, f(x, 1.0 - x))));
+    }
+}
+
+#[test]
+fn slow_tails_err_alike() {
+    // f = 1 + c e^{−x}; ∫ (1 + y)^{−1.8} e^{−y} = 0.43291719155463179
+    let c = 0.3 / 0.8 / (1.0 - 0.3 * 0.43291719155463179);
+    let known = [0.0, 1e-4, 0.3, 2.0].map(|x: f64| (x, 1.0 + c * (-x).exp()));
+    for tolerance in [1e-6, 1e-9] {
+        holds("(1 + y)^−1.8", HalfLine::new(0.0), &|_| 1.0, &|x, y| 0.3 * (1.0 + y).powf(-1.8) * (-x).exp(), tolerance, &known);
+    }
+}
+
+#[test]
 fn columns_narrower_than_rows_tell() {
     let unit = Interval::from(0.0..=1.0);
     for (centre, width) in [(0.31, 1e-3), (0.7123, 2e-3), (0.0917, 4e-3)] {
