@@ -1,13 +1,14 @@
 //! Everything that can go wrong, with the numbers.
 
 use crate::deterministic::Alternative;
+use std::fmt;
 
 /// Why an equation was not solved. Every message names the parameter or the place and its value.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A setting or a number of the problem is outside its range.
-    #[error("invalid {parameter} = {value}: {requirement}")]
+    #[error("invalid {parameter} = {}: {requirement}", Short(*value))]
     Invalid {
         /// Name of the parameter as in the API.
         parameter: &'static str,
@@ -53,7 +54,7 @@ pub enum Error {
         value: String,
     },
     /// A step of a walk carried a weight that is NaN or infinite although no kernel value seen was.
-    #[error("step from {x} to {y} has weight {weight}, density {density} (walk {walk} of cell {cell})")]
+    #[error("step from {x} to {y} has weight {weight}, density {} (walk {walk} of cell {cell})", Short(*density))]
     NonFiniteWeight {
         /// Where the step began.
         x: String,
@@ -83,7 +84,7 @@ pub enum Error {
         weight: String,
     },
     /// A survival probability, or the row mass it came from, is negative or NaN.
-    #[error("survival probability at {at} is {value}: row masses and probabilities must not be negative or NaN")]
+    #[error("survival probability at {at} is {}: row masses and probabilities must not be negative or NaN", Short(*value))]
     InvalidProbability {
         /// The point, as printed by its `Debug`.
         at: String,
@@ -117,7 +118,8 @@ pub enum Error {
     NeverEnds,
     /// The Neumann series of |T| diverges: walks would not converge.
     #[error(
-        "the Neumann series diverges: spectral radius of |T| is {radius} ± {uncertainty} ≥ 1; use a deterministic method (`Nystrom`), or `.accept_divergence()`"
+        "the Neumann series diverges: spectral radius of |T| is {} ± {} ≥ 1; use a deterministic method (`Nystrom`), or `.accept_divergence()`",
+        Short(*radius), Short(*uncertainty)
     )]
     Divergent {
         /// Spectral radius of the operator with kernel |K|.
@@ -256,6 +258,17 @@ pub enum Error {
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
         ratio: f64,
     },
+    /// A singularity at y = x so strong that points told apart by floating-point numbers miss a part of it: walks would be biased by that.
+    #[error(
+        "{share:.1e} of ∫|K(x, y)| dy at x = {x} lies closer to y = x than floating-point numbers can tell apart: walks would miss it; \
+         use a deterministic method (`Nystrom`)"
+    )]
+    BelowRounding {
+        /// The point.
+        x: String,
+        /// Estimated share of the row that no step can reach.
+        share: f64,
+    },
     /// Randomised truncation of a sequence whose differences do not fall fast enough for it.
     #[error(
         "debiasing has no finite {series}: its terms have slope {slope:.3} in {variable}, which must be below {limit}; \
@@ -312,7 +325,7 @@ pub enum Error {
         now: String,
     },
     /// A number that cannot be drawn.
-    #[error("cannot plot {series:?}: {quantity} at {at} is {value}: {requirement}")]
+    #[error("cannot plot {series:?}: {quantity} at {at} is {}: {requirement}", Short(*value))]
     Unplottable {
         /// Label of the series.
         series: String,
@@ -393,5 +406,30 @@ impl Error {
     /// A source value that is NaN or infinite, with the place.
     pub(crate) fn non_finite_source<X: std::fmt::Debug, V: std::fmt::Debug>(x: &X, value: &V) -> Self {
         Error::NonFiniteSource { at: format!("{x:?}"), value: format!("{value:?}") }
+    }
+}
+
+/// A number in a message: in full, unless that takes a long row of zeros.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plain = self.0 == 0.0 || !self.0.is_finite() || (1e-5..1e16).contains(&self.0.abs());
+        if plain { write!(f, "{}", self.0) } else { write!(f, "{:e}", self.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Error;
+
+    #[test]
+    fn numbers_of_any_size_are_short() {
+        let said = |value| Error::invalid("x", value, "must be 1").to_string();
+        assert_eq!(said(0.25), "invalid x = 0.25: must be 1");
+        assert_eq!(said(0.0), "invalid x = 0: must be 1");
+        assert_eq!(said(-1e149), "invalid x = -1e149: must be 1");
+        let diverges = Error::Divergent { radius: 1e149, uncertainty: 0.5 }.to_string();
+        assert!(diverges.contains("is 1e149 ± 0.5 ≥ 1"), "{diverges}");
     }
 }

@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// `f(0), …, f(count − 1)`, in order, on all cores if the feature `parallel` is on. Floating-point sums happen elsewhere, serially.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    // one task wakes no thread
     if count <= 1 {
         return (0..count).map(f).collect();
     }
@@ -17,6 +18,19 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -
     });
     let result = |slot: Mutex<Option<T>>| slot.into_inner().unwrap_or_else(PoisonError::into_inner);
     slots.into_iter().map(|slot| result(slot).expect("every task has run")).collect()
+}
+
+/// The same for many short tasks, in runs of them.
+pub(crate) fn map_short<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    const RUN: usize = 1 << 14;
+    if count <= RUN {
+        return (0..count).map(f).collect();
+    }
+    let mut all = Vec::with_capacity(count);
+    map(count.div_ceil(RUN), |k| (k * RUN..count.min((k + 1) * RUN)).map(&f).collect())
+        .into_iter()
+        .for_each(|mut run| all.append(&mut run));
+    all
 }
 
 /// `f()` on one of the threads that [`map`] and [`chunks`] use: many calls of those, each short, wake no thread from outside.
@@ -50,19 +64,8 @@ fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
 }
 
 /// `f(i, i-th chunk of size items)` for all chunks of a slice, the last of which may be shorter; results in order.
-#[cfg(feature = "parallel")]
 pub(crate) fn chunks<T: Send, R: Send>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) -> R + Send + Sync) -> Vec<R> {
-    use rayon::prelude::*;
-    // one task wakes no thread
-    if data.len() <= size {
-        return data.chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect();
-    }
-    let f: &(dyn Fn(usize, &mut [T]) -> R + Sync) = &f;
-    data.par_chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect()
-}
-
-/// `f(i, i-th chunk of size items)` for all chunks of a slice, the last of which may be shorter; results in order.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn chunks<T, R>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [T]) -> R) -> Vec<R> {
-    data.chunks_mut(size).enumerate().map(|(i, chunk)| f(i, chunk)).collect()
+    let parts: Vec<Mutex<&mut [T]>> = data.chunks_mut(size).map(Mutex::new).collect();
+    // nobody else asks for this part
+    map(parts.len(), |i| f(i, &mut parts[i].lock().unwrap_or_else(PoisonError::into_inner)))
 }

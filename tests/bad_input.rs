@@ -1,14 +1,18 @@
 //! Bad input, each with the error it must give: the variant, and the words and numbers that tell a user what to change. Nothing panics.
 
+#[path = "common/erased.rs"]
+mod erased;
+
+use erased::{AnyKernel, AnySource, Equation, kernel_fn, source_fn};
 use fredholm::check::{self, Settings};
 use fredholm::detector::{Bins, Functional, Points};
 use fredholm::domain::{Cuboid, Domain, Grouped, HalfLine, Interval, Node};
-use fredholm::kernel::{Density, HasDomain, Kernel, Operator, Proposed, RowMass, Step, Transition, TransitionPdf, Uniform, kernel_fn};
+use fredholm::kernel::{Density, HasDomain, Kernel, Operator, Proposed, RowMass, Step, Transition, TransitionPdf, Uniform};
 use fredholm::sampling::Sampler;
-use fredholm::source::{SampleSource, Source, source_fn};
+use fredholm::source::{SampleSource, Source};
 use fredholm::statistics::{Target, Verdict};
 use fredholm::walk::{Collision, Ending, Heuristic, OwnAbsorption, Roulette, Scoring, Survival};
-use fredholm::{Equation, Error, Walk};
+use fredholm::{Error, Walk};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 const NAN: f64 = f64::NAN;
@@ -41,8 +45,8 @@ where
 
 type Flat = fn(&f64) -> f64;
 type Two = fn(&f64, &f64) -> f64;
-type SourceOf = fredholm::source::SourceFn<Interval, Flat, f64>;
-type KernelOf = Proposed<fredholm::kernel::KernelFn<Interval, Two, f64>, Uniform<Interval>>;
+type SourceOf = AnySource<'static, Interval>;
+type KernelOf = Proposed<AnyKernel<'static, Interval>, Uniform<Interval>>;
 
 fn unit() -> Interval {
     Interval::from(0.0..=1.0)
@@ -106,7 +110,7 @@ impl RowMass for Hand {
     }
 }
 
-fn own(fault: Own) -> Equation<SourceOf, Hand> {
+fn own(fault: Own) -> fredholm::Equation<SourceOf, Hand> {
     Equation::new(source_fn(unit(), (|_: &f64| 1.0) as Flat), Hand(fault))
 }
 

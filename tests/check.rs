@@ -1,14 +1,17 @@
 //! `check::` finds deliberately broken kernels, proposals and sources by name, and blames no correct one.
 
+#[path = "common/erased.rs"]
+mod erased;
+
+use erased::{Equation, kernel_fn, source_fn};
+use fredholm::GroupMatrix;
 use fredholm::check::{self, Law, Report, Settings};
 use fredholm::domain::{Cuboid, Domain, Grouped, HalfLine, Interval, Node};
 use fredholm::kernel::{
     Absorbing, HasDomain, Kernel, KernelFn, Operator, Proposal, Proposed, RowMass, Step, Tabulated, Transition, TransitionPdf, Uniform,
-    kernel_fn,
 };
 use fredholm::sampling::Sampler;
-use fredholm::source::{SampleSource, Source, source_fn};
-use fredholm::{Equation, GroupMatrix};
+use fredholm::source::{SampleSource, Source};
 
 fn unit() -> Interval {
     Interval::from(0.0..=1.0)

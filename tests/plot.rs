@@ -1,8 +1,12 @@
 //! Pictures: their files, their words, and what they refuse.
 #![cfg(feature = "plot")]
 
+#[path = "common/erased.rs"]
+mod erased;
+
+use erased::Equation;
 use fredholm::plot::{Comparison, Convergence, Profile};
-use fredholm::{Equation, Error, Estimate, Walk};
+use fredholm::{Error, Estimate, Walk};
 use std::path::PathBuf;
 
 /// A folder of this test, gone at its end.

@@ -1,13 +1,16 @@
 //! Are the errors true? Coverage of intervals and of the stopping rule, p-values, moments to the fourth order, tails and verdicts.
 
 mod common;
+#[path = "common/erased.rs"]
+mod erased;
 
 use common::{Budget, all_pass, student};
+use erased::Equation;
 use fredholm::detector::{Functional, Points};
 use fredholm::domain::Interval;
 use fredholm::statistics::{Moments, Target, Verdict};
 use fredholm::walk::Roulette;
-use fredholm::{Equation, Estimate, Walk};
+use fredholm::{Estimate, Walk};
 
 /// Independent repetitions of the estimate at x, all from one solve: cells have random numbers of their own.
 const REPETITIONS: usize = 20_000;

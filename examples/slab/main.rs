@@ -14,13 +14,15 @@ mod methods;
 mod options;
 mod pictures;
 mod report;
+mod source;
 mod truth;
 
 use fredholm::kernel::Operator;
-use fredholm::source::{Emit, SampleSource};
+use fredholm::source::Source;
 use fredholm::transport::{CollisionTally, Histories, Slab, TrackTally};
 use fredholm::{Error, Estimate};
-use options::{Options, SourceChoice};
+use options::Options;
+use source::AnySource;
 use std::process::ExitCode;
 use truth::Truth;
 
@@ -30,18 +32,16 @@ struct Row {
     answer: Result<Vec<Estimate>, Error>,
 }
 
-fn run<G>(options: &Options, slab: &Slab, source: G) -> Result<(), Error>
-where
-    G: SampleSource<Point = f64, Value = f64> + Emit<State = f64> + Clone + 'static,
-{
+fn run(options: &Options, slab: &Slab) -> Result<(), Error> {
+    let source = AnySource::new(options.source, slab);
     slab.validate()?;
     source.validate()?;
     let xs = options.points();
     report::heading(options);
-    let truth = Truth::new(options, slab, &source, &xs)?;
+    let truth = Truth::new(options, slab, source, &xs)?;
     report::nystrom(&truth, &xs);
 
-    let methods = methods::all(slab, &source, options.seed)?;
+    let methods = methods::all(slab, source, options.seed)?;
     let samples = options.samples.unwrap_or_else(|| methods::affordable(slab, &truth));
     if let Err(refusal @ Error::Divergent { .. }) = (methods[0].solve)(&xs, 1) {
         println!("walks refused: {refusal}");
@@ -65,13 +65,7 @@ where
 fn main() -> ExitCode {
     let result = Options::parse(std::env::args().skip(1)).and_then(|options| {
         let slab = Slab::new(options.thickness).scattering(options.ratio);
-        let thickness = options.thickness;
-        let solved = match options.source {
-            SourceChoice::Uniform => run(&options, &slab, slab.uniform(1.0)),
-            SourceChoice::Ramp => run(&options, &slab, slab.source(move |x| x / thickness)),
-            SourceChoice::Beam(cosine) => run(&options, &slab, slab.beam(cosine)),
-        };
-        solved.map_err(|e| e.to_string())
+        run(&options, &slab).map_err(|e| e.to_string())
     });
     match result {
         Ok(()) => ExitCode::SUCCESS,

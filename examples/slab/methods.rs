@@ -1,9 +1,9 @@
 //! Every estimator, under a common roof.
 
+use crate::source::AnySource;
 use crate::truth::Truth;
 use fredholm::detector::Points;
 use fredholm::kernel::{Operator, Series};
-use fredholm::source::{SampleSource, Source};
 use fredholm::transport::Slab;
 use fredholm::walk::{Heuristic, OwnAbsorption, Roulette};
 use fredholm::{Equation, Error, Estimate, Method, Walk};
@@ -15,13 +15,12 @@ pub(crate) struct Entry<'a> {
     pub(crate) solve: Box<dyn Fn(&[f64], u64) -> Result<Vec<Estimate>, Error> + 'a>,
 }
 
-fn entry<'a, G, K, C, E>(name: &str, equation: &Equation<G, K>, walk: Walk<C, E>) -> Entry<'a>
+fn entry<'a, K, C, E>(name: &str, equation: &Equation<AnySource, K>, walk: Walk<C, E>) -> Entry<'a>
 where
-    G: Source<Point = f64, Value = f64> + Clone + 'a,
     K: Operator<Point = f64, Weight = f64> + Clone + 'a,
     C: Copy + 'a,
     E: Copy + 'a,
-    Walk<C, E>: Method<G, K, Points<f64>, Solution = Vec<Estimate>>,
+    Walk<C, E>: Method<AnySource, K, Points<f64>, Solution = Vec<Estimate>>,
 {
     let equation = equation.clone();
     Entry { name: name.to_string(), solve: Box::new(move |xs, samples| equation.on(xs).solve(&walk.samples_per_cell(samples))) }
@@ -35,12 +34,9 @@ fn radius(slab: &Slab) -> Result<f64, Error> {
     })
 }
 
-pub(crate) fn all<'a, G>(slab: &'a Slab, source: &G, seed: u64) -> Result<Vec<Entry<'a>>, Error>
-where
-    G: SampleSource<Point = f64, Value = f64> + Clone + 'a,
-{
-    let analog = Equation::new(source.clone(), slab);
-    let implicit = Equation::new(source.clone(), slab.implicit_capture());
+pub(crate) fn all(slab: &Slab, source: AnySource, seed: u64) -> Result<Vec<Entry<'_>>, Error> {
+    let analog = Equation::new(source, slab);
+    let implicit = Equation::new(source, slab.implicit_capture());
     let radius = radius(slab)?;
     // the smallest depth that leaves ρ^depth ≤ 10⁻⁵
     let depth = ((1e-5f64).ln() / radius.min(0.999).ln()).ceil() as u64;

@@ -1,9 +1,10 @@
 //! What the walks are compared with.
 
 use crate::options::{Options, SourceChoice};
+use crate::source::AnySource;
 use fredholm::deterministic::quadrature::unit_rule;
 use fredholm::deterministic::{Nystrom, NystromSolution};
-use fredholm::source::{SampleSource, Source};
+use fredholm::source::Source;
 use fredholm::special::e2;
 use fredholm::transport::Slab;
 use fredholm::{Equation, Error};
@@ -29,18 +30,14 @@ pub(crate) struct Truth {
 }
 
 impl Truth {
-    pub(crate) fn new<G>(options: &Options, slab: &Slab, source: &G, xs: &[f64]) -> Result<Self, Error>
-    where
-        G: SampleSource<Point = f64, Value = f64> + Clone + 'static,
-    {
+    pub(crate) fn new(options: &Options, slab: &Slab, source: AnySource, xs: &[f64]) -> Result<Self, Error> {
         let clock = Instant::now();
         let panels = 4 + options.thickness.sqrt().ceil() as usize;
-        let solution = Equation::new(source.clone(), slab.clone()).solve(&Nystrom::graded(panels, 12))?;
+        let solution = Equation::new(source, slab.clone()).solve(&Nystrom::graded(panels, 12))?;
         let elapsed = clock.elapsed();
         let nystrom: Vec<f64> = xs.iter().map(|x| solution.eval(*x)).collect();
         let residuals = xs.iter().map(|x| solution.residual(*x).map(f64::abs)).collect::<Result<Vec<_>, _>>()?;
         let stored = options.ratio == 0.9 && options.thickness == 10.0 && options.source == SourceChoice::Uniform;
-        let source = source.clone();
         Ok(Truth {
             values: if stored { STORED.to_vec() } else { nystrom.clone() },
             stored,
@@ -68,6 +65,6 @@ impl Truth {
 }
 
 /// ½ ∫ E₂(distance to the face) φ dx, for both faces.
-fn leakage<G: Source<Point = f64, Value = f64>>(solution: &NystromSolution<G, Slab>, a: f64) -> [f64; 2] {
+fn leakage(solution: &NystromSolution<AnySource, Slab>, a: f64) -> [f64; 2] {
     [solution.functional(|x| 0.5 * e2(x.max(0.0))), solution.functional(|x| 0.5 * e2((a - x).max(0.0)))]
 }

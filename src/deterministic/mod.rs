@@ -67,6 +67,7 @@ pub use alternative::Alternative;
 pub use class::{Diagonal, KernelClass, classify};
 pub use collocation::Collocation;
 pub use elements::{ElementErrors, ElementSolution};
+pub(crate) use erased::erased;
 pub use factorised::Factorised;
 pub use galerkin::Galerkin;
 pub use nystrom::Nystrom;

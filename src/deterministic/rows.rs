@@ -2,7 +2,7 @@
 
 use super::ends;
 use super::erased::erased;
-use super::grid::{Grid, check_size};
+use super::grid::{Grid, Panels, check_size};
 use super::near::{Target, components};
 use crate::domain::{Domain, Point};
 use crate::error::Error;
@@ -12,6 +12,9 @@ use crate::value::Weight;
 
 /// Matrices up to this size are done before a thread is awake.
 const SMALL: usize = 32;
+
+/// Entries of a row at `count` nodes from `first` on, by the values of K there.
+type Far<'a> = &'a dyn Fn(usize, usize, &mut [f64]) -> Result<(), Error>;
 
 impl<X: Point> Grid<X> {
     /// Coordinates where the row at a target crosses lines in or near a panel.
@@ -34,29 +37,37 @@ impl<X: Point> Grid<X> {
         K: Kernel<Point = X> + HasDomain,
     {
         if let Some(order) = self.centred {
-            return self.around(kernel, x, order, out);
+            return self.around(&erased(kernel), x, order, out);
         }
         let Some(panels) = &self.panels else {
             self.far(kernel, x, 0, self.nodes.len(), out)?;
             return Ok(self.nodes.len() as u64);
         };
-        let (c, n) = (components::<K>(), self.nodes.len());
-        let kernel_by_values = erased(kernel);
         let x = &self.ends.held_off(kernel.domain(), x);
-        let target = Target::new(&kernel_by_values, x);
+        let far = |first: usize, count: usize, out: &mut [f64]| self.far(kernel, x, first, count, out);
+        self.row_in_panels(&erased(kernel), panels, x, &far, out)
+    }
+
+    /// The row at x, with `far` for the panels where K(x, ·) is smooth.
+    fn row_in_panels<K>(&self, kernel: &K, panels: &Panels, x: &X, far: Far<'_>, out: &mut [f64]) -> Result<u64, Error>
+    where
+        K: Kernel<Point = X> + HasDomain,
+    {
+        let (c, n) = (components::<K>(), self.nodes.len());
+        let target = Target::new(kernel, x);
         let p = panels.basis.len();
         let mut block = vec![0.0; p * c * c];
         let mut evaluations = 0;
         for index in 0..n / p {
             let (state, panel) = (index / panels.count(), panels.panel(index % panels.count()));
             if !self.is_product(&target, index % panels.count()) {
-                self.far(kernel, x, index * p, p, out)?;
+                far(index * p, p, out)?;
                 evaluations += p as u64;
                 continue;
             }
             block.fill(0.0);
             let rules = (&panels.basis, &panels.pieces);
-            let mut towards: Vec<_> = self.crossings(&target, panel).map(|u| Target::towards(&kernel_by_values, x, u)).collect();
+            let mut towards: Vec<_> = self.crossings(&target, panel).map(|u| Target::towards(kernel, x, u)).collect();
             if !towards.is_empty() {
                 towards.extend(Some(target).filter(|target| target.is_near(panel)));
                 evaluations += ends::moments_among(towards, state, panel, rules, &mut block)?;

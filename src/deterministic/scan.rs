@@ -28,6 +28,16 @@ const MORE_OF_A_ROW: usize = 512;
 const BATCH: usize = 256;
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
+/// Width of a cell, as a share of a coordinate.
+pub(super) fn resolution(dimension: usize) -> f64 {
+    1.0 / side(dimension) as f64
+}
+
+/// Cells along a coordinate.
+fn side(dimension: usize) -> usize {
+    [SCANNED, 64, 16, 8].get(dimension - 1).copied().unwrap_or(4)
+}
+
 /// The largest of numbers that are not negative; NaN counts as infinite, where `f64::max` would drop it.
 #[derive(Default)]
 pub(super) struct Largest(pub(super) f64);
@@ -174,7 +184,7 @@ fn cells_towards_infinity<D: Domain>(domain: &D, (a, b): (f64, f64)) -> Vec<f64>
 /// A jittered lattice in more dimensions.
 fn in_boxes<D: Domain>(domain: &D) -> Vec<Node<D::Point>> {
     let d = domain.dimension();
-    let side: usize = [SCANNED, 64, 16, 8].get(d - 1).copied().unwrap_or(4);
+    let side = side(d);
     let count = side.pow(d as u32);
     let place = |state: usize, i: usize| {
         let (mut rest, mut u) = (i, Pcg::default().point(u64::MAX - 3, state as u32, i as u64));

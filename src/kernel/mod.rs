@@ -122,6 +122,15 @@ pub trait Transition: Operator {
 pub trait TransitionPdf: Transition {
     /// π(x, y).
     fn pdf(&self, x: &Self::Point, y: &Self::Point) -> f64;
+
+    /// K(x, y) and π(x, y), for kernels whose two share work; where K is 0 any π will do.
+    #[inline]
+    fn eval_and_pdf(&self, x: &Self::Point, y: &Self::Point) -> (Self::Weight, f64)
+    where
+        Self: Kernel,
+    {
+        (self.eval(x, y), self.pdf(x, y))
+    }
 }
 
 /// How often a step is absorbed.

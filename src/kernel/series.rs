@@ -4,6 +4,7 @@
 use super::coarse::{Level, MASS_ORDERS, ROW_MASS, discretise};
 use super::radius::spectral_radius;
 use super::{HasDomain, Kernel};
+use crate::deterministic::erased;
 use crate::domain::{Domain, Node, Point};
 use crate::error::Error;
 use crate::sampling::{Pcg, Sequence};
@@ -79,6 +80,10 @@ const SIGMAS: f64 = 3.0;
 
 /// Σ |T|ⁿ of any kernel that can be evaluated on a domain: what [`Operator::series`](super::Operator::series) of such a kernel returns.
 pub(crate) fn series_of<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
+    by_values(&erased(kernel))
+}
+
+fn by_values<K: Kernel + HasDomain>(kernel: &K) -> Result<Series<K::Point>, Error> {
     kernel.domain().validate()?;
     let components = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
     let budget = (UNKNOWNS / components.max(1) / kernel.domain().states()).max(12);

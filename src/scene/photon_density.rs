@@ -112,8 +112,8 @@ impl PhotonDensity {
     /// One image: value, steps and evaluations of each pixel.
     fn image(&self, equation: &Equation<Emission, LightTransport>, film: &Film, number: u32) -> Result<Vec<(Rgb, u64, u64)>, Error> {
         let (points, emitted) = Seen::from(self, equation, film, number)?;
-        // each image has photons of its own: far from those of other seeds
-        let seed = self.seed ^ (u64::from(number) + 1) << 48;
+        // each image has photons of its own, seeded by a cell that no ray of the film reads
+        let seed = Pcg::new(self.seed).point(u64::MAX, number, 0).next_1d().to_bits();
         let forward = Forward::scoring(Collided, Roulette::throughput(1.0)).walks(self.photons).seed(seed);
         let found = equation.seen_by(&points).solve(&forward)?;
         Ok(found.iter().zip(emitted).map(|(f, e)| (f.value + e, f.steps, f.evaluations)).collect())

@@ -5,8 +5,8 @@
 //! Lᵢ = eᵢ + Σⱼ Kᵢⱼ Lⱼ,     Kᵢⱼ = 1/Aᵢ ∫_{Aᵢ} ∫_{Aⱼ} K(x, y) dy dx
 //! ```
 //!
-//! on patches i of constant radiance Lᵢ; K is the kernel of the walks, shadow ray and all. Patches near x are cut until they are small beside their
-//! distance. The error is that of the patches, of first order in their size, plus that of shadow boundaries: compare two sizes.
+//! on patches i of constant radiance Lᵢ; K is the kernel of the walks, shadow ray and all. Both integrals are of degree 2; patches near x are cut until
+//! they are small beside their distance. The error is that of the patches, of first order in their size, plus that of shadow boundaries: compare two sizes.
 
 use super::frame::Vec3;
 use super::geometry::{Geometry, Shape};
@@ -59,8 +59,8 @@ pub struct Radiosity;
 
 /// More patches would need more than half a gigabyte.
 const MOST: usize = 8192;
-/// A patch is integrated over as one point if its longest side is at most this share of the distance.
-const SMALL: f64 = 0.5;
+/// A patch is integrated over as three points if its longest side is at most this share of the distance.
+const SMALL: f64 = 1.0;
 /// Cuts of a patch that touches x.
 const CUTS: u32 = 6;
 
@@ -159,15 +159,23 @@ impl Patch {
         self.at([1.0 / 3.0; 2])
     }
 
+    /// Three points of equal weight, exact for polynomials of degree 2 (Hammer, Marlowe, Stroud, *Numerical integration over simplexes and cones*, 1956).
+    fn nodes(&self) -> [State; 3] {
+        const A: f64 = 1.0 / 6.0;
+        [[A, A], [4.0 * A, A], [A, 4.0 * A]].map(|place| self.at(place))
+    }
+
     /// ∫ K(x, y) dy over the patch.
     fn seen_from(&self, x: &State, kernel: &LightTransport, cuts: u32) -> Rgb {
-        let y = self.middle();
-        let d = Vec3::from(x.position) - Vec3::from(y.position);
-        if cuts < CUTS && self.side() > SMALL * d.norm() {
+        let d = Vec3::from(x.position) - Vec3::from(self.corners[0]);
+        // the other side faces away
+        if d.dot(&Vec3::from(self.normal)) <= 0.0 {
+            return Rgb::ZERO;
+        }
+        if cuts < CUTS && self.side() > SMALL * (Vec3::from(x.position) - Vec3::from(self.middle().position)).norm() {
             return self.quarters().iter().fold(Rgb::ZERO, |sum, q| sum + q.seen_from(x, kernel, cuts + 1));
         }
-        // the other side faces away
-        if d.dot(&Vec3::from(self.normal)) <= 0.0 { Rgb::ZERO } else { kernel.eval(x, &y).scale(self.area()) }
+        self.nodes().iter().fold(Rgb::ZERO, |sum, y| sum + kernel.eval(x, y)).scale(self.area() / 3.0)
     }
 }
 
@@ -217,8 +225,9 @@ impl Method<Emission, LightTransport, Patches> for Radiosity {
     fn solve(&self, equation: &Equation<Emission, LightTransport>, Patches(patches): &Patches) -> Result<Vec<Rgb>, Error> {
         let n = patches.len();
         let rows: Vec<Vec<Rgb>> = parallel::map(n, |i| {
-            let points = patches[i].quarters().map(|q| q.middle());
-            let mean = |j: usize| points.iter().fold(Rgb::ZERO, |sum, x| sum + patches[j].seen_from(x, equation.kernel(), 0)).scale(0.25);
+            let points = patches[i].nodes();
+            let mean =
+                |j: usize| points.iter().fold(Rgb::ZERO, |sum, x| sum + patches[j].seen_from(x, equation.kernel(), 0)).scale(1.0 / 3.0);
             (0..n).map(mean).collect()
         });
         let emission: Vec<Rgb> = patches.iter().map(|p| equation.source().eval(&p.middle())).collect();

@@ -94,6 +94,9 @@ const REGISTERED: &[(&str, u32)] = &[
     ("scene::materials", 16),
     ("scene::furnaces", 132),
     ("scene::furnaces white", 12),
+    ("scene::enclosures", 20),
+    ("scene::spheres", 8),
+    ("scene::radiosity room", 2),
     ("scene::furnaces photons", 3),
     ("scene::furnaces chains", 4),
     ("scene::exact", 15),
@@ -282,6 +285,11 @@ impl Reference {
     pub fn vector(&self) -> Vec<(f64, Vec<f64>)> {
         let list = |v: &serde_json::Value| v.as_array().unwrap().iter().map(number).collect();
         self.points().iter().zip(self.values()).map(|(x, v)| (number(x), list(v))).collect()
+    }
+
+    /// Scalar values, whatever their points.
+    pub fn numbers(&self) -> Vec<f64> {
+        self.values().iter().map(number).collect()
     }
 
     /// Points with several coordinates and scalar values.

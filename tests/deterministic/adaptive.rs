@@ -1,13 +1,13 @@
 //! Tolerances that are met or refused.
 
+use crate::erased::{Equation, kernel_fn, source_fn};
 use crate::one;
 use crate::reference::{interval, record, scalar_values};
+use fredholm::Error;
 use fredholm::deterministic::{Diagonal, Nystrom};
 use fredholm::domain::{Cuboid, Domain, HalfLine, Interval};
-use fredholm::kernel::{Singularity, difference_fn, kernel_fn, split_fn};
-use fredholm::source::source_fn;
+use fredholm::kernel::{Singularity, difference_fn, split_fn};
 use fredholm::special::{e1, e2};
-use fredholm::{Equation, Error};
 use std::f64::consts::PI;
 
 #[test]

@@ -1,9 +1,9 @@
 //! Kernels are recognised from their values.
 
+use crate::erased::kernel_fn;
 use fredholm::Error;
 use fredholm::deterministic::{Diagonal, KernelClass, classify};
 use fredholm::domain::{Cuboid, Grouped, HalfLine, Interval};
-use fredholm::kernel::kernel_fn;
 use fredholm::special::e1;
 
 fn of(k: impl Fn(f64, f64) -> f64 + Send + Sync) -> KernelClass {

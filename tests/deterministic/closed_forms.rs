@@ -1,11 +1,11 @@
 //! Closed forms, and evaluation at every kind of place.
 
+use crate::erased::{Equation, source_fn};
 use crate::one;
+use fredholm::Error;
 use fredholm::deterministic::Nystrom;
 use fredholm::domain::Interval;
-use fredholm::source::source_fn;
 use fredholm::special::e1;
-use fredholm::{Equation, Error};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Closed forms by their numbers in problems §2.

@@ -1,12 +1,11 @@
 //! Singular ends of K and f, narrow columns, the spectrum where f does not show it, and refusals in words.
 
 use crate::adaptive::{Kernel, Source, holds};
+use crate::erased::{Equation, kernel_fn, source_fn};
+use fredholm::Error;
 use fredholm::deterministic::Nystrom;
 use fredholm::domain::{Domain, HalfLine, Interval, Line};
-use fredholm::kernel::kernel_fn;
-use fredholm::source::source_fn;
 use fredholm::special::e1;
-use fredholm::{Equation, Error};
 use std::f64::consts::PI;
 
 const PLACES: [f64; 7] = [0.0, 1e-9, 1e-3, 0.21, 0.5, 0.93, 1.0];

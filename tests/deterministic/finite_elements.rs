@@ -1,5 +1,6 @@
 //! Orders of Galerkin and collocation solutions and of their iterates, as slopes of log error over log h.
 
+use crate::erased::Equation;
 use crate::one;
 use fredholm::deterministic::{Collocation, ElementSolution, Galerkin, Nystrom};
 use fredholm::domain::{Grouped, Interval};
@@ -7,7 +8,7 @@ use fredholm::domain::{Grouped, Interval};
 use fredholm::kernel::{HasDomain, Kernel, Operator};
 use fredholm::source::Source;
 use fredholm::special::e1;
-use fredholm::{Equation, Error, Everywhere, GroupMatrix, Method, Spectrum, Value};
+use fredholm::{Error, Everywhere, GroupMatrix, Method, Spectrum, Value};
 
 /// Either method; the settings have the same names.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ where
 {
     type Solution = ElementSolution<G, K>;
 
-    fn solve(&self, equation: &Equation<G, K>, _: &Everywhere) -> Result<Self::Solution, Error> {
+    fn solve(&self, equation: &fredholm::Equation<G, K>, _: &Everywhere) -> Result<Self::Solution, Error> {
         match self {
             Elements::Galerkin(g) => equation.solve(g),
             Elements::Collocation(c) => equation.solve(c),

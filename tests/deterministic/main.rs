@@ -1,5 +1,8 @@
 //! Nyström, finite elements, spectra and predicted variances against stored references and closed forms.
 
+#[path = "../common/erased.rs"]
+mod erased;
+
 mod adaptive;
 mod classes;
 mod closed_forms;

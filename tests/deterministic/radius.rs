@@ -1,11 +1,12 @@
 //! The coarse spectral radius of |T| that decides whether walks may start: ρ(|T|) of stored references and closed forms lies within the stated
 //! uncertainty, and the refusals it implies are right.
 
+use crate::erased::Equation;
 use crate::reference::{number, record};
 use fredholm::domain::{Cuboid, Grouped, HalfLine, Interval};
 use fredholm::kernel::{Operator, Radius, Series};
 use fredholm::special::e1;
-use fredholm::{Equation, GroupMatrix, Spectrum};
+use fredholm::{GroupMatrix, Spectrum};
 use std::f64::consts::PI;
 use std::sync::Arc;
 

@@ -1,9 +1,10 @@
 //! Singular systems, values that are not finite, settings that cannot be.
 
+use crate::erased::Equation;
 use crate::one;
+use fredholm::Error;
 use fredholm::deterministic::{Collocation, Galerkin, Nystrom};
 use fredholm::domain::{Cuboid, HalfLine};
-use fredholm::{Equation, Error};
 use std::f64::consts::PI;
 
 #[test]

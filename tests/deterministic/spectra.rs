@@ -1,8 +1,8 @@
 //! Eigenvalues of T.
 
+use crate::erased::kernel_fn;
 use fredholm::deterministic::{Nystrom, eigenvalues, spectral_radius};
 use fredholm::domain::Interval;
-use fredholm::kernel::kernel_fn;
 use fredholm::special::e1;
 use std::f64::consts::PI;
 

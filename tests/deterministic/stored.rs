@@ -1,11 +1,12 @@
 //! Every class of stored references that can be stated, to the accuracy we claim.
 
+use crate::erased::Equation;
 use crate::one;
 use crate::reference::{interval, point_values, record, scalar_values};
 use fredholm::deterministic::Nystrom;
 use fredholm::domain::{Cuboid, Grouped, HalfLine, Interval};
 use fredholm::special::{e1, e2};
-use fredholm::{Equation, GroupMatrix, Spectrum, Value};
+use fredholm::{GroupMatrix, Spectrum, Value};
 use std::f64::consts::PI;
 use std::sync::Arc;
 

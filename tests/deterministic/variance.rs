@@ -1,11 +1,12 @@
 //! Predicted variances and costs against measured ones.
 
+use crate::erased::Equation;
 use crate::one;
 use fredholm::deterministic::PredictedVariance;
 use fredholm::domain::Cuboid;
 use fredholm::special::e1;
 use fredholm::walk::{OwnAbsorption, Roulette};
-use fredholm::{Equation, Error, Walk};
+use fredholm::{Error, Walk};
 
 /// Mean and standard error of 16 batches, each the (variance, steps a walk) of its sample: batches of variances give their own error.
 fn measured(batch: impl Fn(u64) -> (f64, f64)) -> [(f64, f64); 2] {

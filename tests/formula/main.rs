@@ -1,6 +1,9 @@
 //! Equations as text: formulas, files, refusals, and solutions that agree with what the files know.
 #![cfg(feature = "formula")]
 
+#[path = "../common/erased.rs"]
+mod erased;
+
 mod expressions;
 mod files;
 mod malformed;

@@ -1,8 +1,8 @@
 //! The tabulated proposal is a density, samples it, and keeps K/p bounded on singular and peaked diagonals.
 
-use fredholm::Equation;
+use crate::erased::{Equation, kernel_fn};
 use fredholm::domain::{Domain, Grouped, HalfLine, Interval};
-use fredholm::kernel::{HasDomain, Kernel, KernelFn, Proposal, Tabulated, kernel_fn};
+use fredholm::kernel::{HasDomain, Kernel, KernelFn, Proposal, Tabulated};
 use fredholm::sampling::{Pcg, Sequence};
 
 /// ∫ φ(y) dμ(y) by panels graded towards x and the ends in the coordinate, for every state.

@@ -1,6 +1,7 @@
 //! ⟨h, f⟩ = ⟨φ, g⟩: forward against backward against Nyström; the order of matrices; the predicted variance; cut walks.
 
 use crate::common::{Budget, Reference, all_pass};
+use crate::erased::Equation;
 use crate::problems::e1;
 use crate::{PILOT, enough, judge};
 use fredholm::detector::{At, Bins, Functional};
@@ -11,7 +12,7 @@ use fredholm::sampling::Sampler;
 use fredholm::special::e2;
 use fredholm::transport::{CollisionTally, Histories, Slab};
 use fredholm::walk::{Collision, OwnAbsorption, Roulette};
-use fredholm::{Complex, Equation, Estimate, Forward, GroupMatrix, Spectrum, Walk, Weight};
+use fredholm::{Complex, Estimate, Forward, GroupMatrix, Spectrum, Walk, Weight};
 use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::{erf, erf_inv};
 use std::f64::consts::PI;

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/erased.rs"]
+mod erased;
 #[path = "../common/problems.rs"]
 mod problems;
 

@@ -1,11 +1,12 @@
 //! Curves from forward walks: unbiased where they say so, biased as they say, and bands that hold for the whole curve.
 
 use crate::common::{Budget, Reference, all_pass, slope};
+use crate::erased::Equation;
+use fredholm::Forward;
 use fredholm::deterministic::Nystrom;
 use fredholm::statistics::{Bias, Moments, Profile, Verdict};
 use fredholm::transport::Slab;
 use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed};
-use fredholm::{Equation, Forward};
 
 /// f = 1 + 3x/10: straight, so that every tally says it without bias (its own bias is of f″, or of degrees above 1).
 macro_rules! straight {

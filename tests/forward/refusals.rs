@@ -1,13 +1,13 @@
 //! Bad input, each with the error it must give.
 
+use crate::erased::{Equation, source_fn};
 use fredholm::detector::{Bins, Functional};
 use fredholm::domain::Interval;
 use fredholm::kernel::{HasAdjoint, Kernel, Operator, Step, Transition};
 use fredholm::sampling::Sampler;
-use fredholm::source::source_fn;
 use fredholm::statistics::Verdict;
 use fredholm::walk::{Collision, Expansion, Histogram, KernelTally, OwnAbsorption, Roulette, Smoothed};
-use fredholm::{Equation, Error, Forward};
+use fredholm::{Error, Forward};
 
 type Flat = fn(&f64) -> f64;
 type Two = fn(&f64, &f64) -> f64;

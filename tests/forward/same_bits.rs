@@ -1,10 +1,11 @@
 //! Same seed, same bits, for any number of threads.
 
+use crate::erased::Equation;
 use fredholm::detector::{Bins, Functional};
 use fredholm::domain::Interval;
 use fredholm::sampling::Sobol;
 use fredholm::walk::{Expansion, Histogram, KernelTally, Smoothed};
-use fredholm::{Equation, Error, Estimate, Forward};
+use fredholm::{Error, Estimate, Forward};
 
 fn bits(e: &Estimate) -> Vec<u64> {
     let m = &e.moments;

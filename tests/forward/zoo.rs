@@ -8,7 +8,7 @@ use fredholm::kernel::{HasAdjoint, Kernel, Operator, RowMass, Transition};
 use fredholm::sampling::Sobol;
 use fredholm::source::Emit;
 use fredholm::walk::Roulette;
-use fredholm::{Equation, Error, Estimate, Forward};
+use fredholm::{Error, Estimate, Forward};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Method {
@@ -26,7 +26,13 @@ const PLAIN: [Method; 4] = [Method::Collision, Method::ConstantRoulette, Method:
 type Functionals = Functional<Line, fn(&f64) -> f64>;
 
 /// One estimate; `run` is (survival of constant roulettes, walks, seed).
-fn walk<G, K>(eq: &Equation<G, K>, h: &Functionals, x: f64, method: Method, (p, n, seed): (f64, u64, u64)) -> Result<Estimate, Error>
+fn walk<G, K>(
+    eq: &fredholm::Equation<G, K>,
+    h: &Functionals,
+    x: f64,
+    method: Method,
+    (p, n, seed): (f64, u64, u64),
+) -> Result<Estimate, Error>
 where
     G: Emit<Point = f64, Value = f64, State = f64>,
     K: Kernel + HasAdjoint<Adjoint: Transition + Operator<Point = f64>> + Operator<Point = f64, Weight = f64>,
@@ -42,7 +48,7 @@ where
 }
 
 /// What needs a table, or is tested with one alone.
-fn table_only<G, K>(eq: &Equation<G, K>, h: &Functionals, method: Method, (n, seed): (u64, u64)) -> Result<Estimate, Error>
+fn table_only<G, K>(eq: &fredholm::Equation<G, K>, h: &Functionals, method: Method, (n, seed): (u64, u64)) -> Result<Estimate, Error>
 where
     G: Emit<Point = f64, Value = f64, State = f64>,
     K: HasAdjoint<Adjoint: Transition + RowMass + Operator<Point = f64>> + Operator<Point = f64, Weight = f64>,

@@ -1,16 +1,16 @@
 //! Array-RQMC: right whatever the scoring, ending, detector and sequence; its intervals cover; its variance falls faster than 1/n.
 
 use crate::common::{Budget, all_pass};
+use crate::erased::{Equation, kernel_fn, source_fn};
 use crate::{rates, stated};
 use fredholm::detector::{At, Bins, Functional, Points};
 use fredholm::deterministic::Nystrom;
 use fredholm::domain::{Cuboid, Domain, Grouped, Interval};
-use fredholm::kernel::{HasDomain, Operator, Step, Transition, kernel_fn};
+use fredholm::kernel::{HasDomain, Operator, Step, Transition};
 use fredholm::sampling::{Layout, Sampler, Sobol};
-use fredholm::source::source_fn;
 use fredholm::statistics::Sweep;
 use fredholm::walk::{ArrayRqmc, Roulette, Sort};
-use fredholm::{Equation, Error, Estimate, Method, Walk};
+use fredholm::{Error, Estimate, Method, Walk};
 
 const N: u64 = 1 << 13;
 
@@ -43,7 +43,7 @@ impl<const D: usize> Flights<D> {
         Flights { region: Cuboid::from(std::array::from_fn(|_| 0.0..=length)), c, faces }
     }
 
-    fn equation(self) -> Equation<impl fredholm::source::Source<Point = [f64; D], Value = f64>, Self> {
+    fn equation(self) -> fredholm::Equation<impl fredholm::source::Source<Point = [f64; D], Value = f64>, Self> {
         Equation::new(source_fn(self.region, |_: &[f64; D]| 1.0), self)
     }
 }

@@ -4,6 +4,8 @@
 mod any;
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/erased.rs"]
+mod erased;
 
 mod array;
 mod lectures;

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/erased.rs"]
+mod erased;
 
 mod any;
 mod discrepancies;

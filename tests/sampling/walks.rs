@@ -2,9 +2,10 @@
 
 use crate::any::{Any, randomised};
 use crate::common::{Budget, all_pass};
+use crate::erased::Equation;
 use fredholm::sampling::{Layout, Pcg, Sequence, Sobol};
 use fredholm::walk::Roulette;
-use fredholm::{Equation, Estimate, Method, Walk};
+use fredholm::{Estimate, Method, Walk};
 
 /// f(x) = 1 + ∫₀¹ ½xy f(y) dy = 1 + 3x/10, ∫f = 1.15.
 const EXACT: f64 = 1.15;

@@ -42,6 +42,11 @@ fn hostile_files_are_refused_by_name() {
         ("\"emissiveStrength\": 1.0", "\"emissiveStrength\": -1.0", "emission"),
         (";base64,", ";base65,", "data URI"),
         ("\"POSITION\": 0", "\"POSITION\": 99", "a primitive names accessor 99"),
+        // a position that is not a number; an index of a vertex that is not there
+        ("base64,AACAvwAAgL8AAAC/", "base64,AADAfwAAwH8AAMB/", "NaN"),
+        ("AAAAAAEAAAACAAAA", "AAAAAAEAAAAJAAAA", "9"),
+        ("\"emissiveStrength\": 1.0", "\"emissiveStrength\": 1e39", "number out of range"),
+        ("0.8,\n     0.5,\n     0.2,", "1.8,\n     0.5,\n     0.2,", "albedo = 1.79"),
     ] {
         let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
         if !text.contains(from) {
@@ -69,11 +74,19 @@ fn truncated_files_are_refused() {
 #[test]
 fn what_is_not_used_is_reported() {
     let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
-    let text = text.replacen("\"doubleSided\"", "\"alphaMode\": \"BLEND\", \"doubleSided\"", 1);
+    let text = text.replacen("\"doubleSided\"", "\"alphaMode\": \"BLEND\", \"normalTexture\": {\"index\": 0}, \"doubleSided\"", 1);
+    let text = text.replacen("\"meshes\"", "\"images\": [{\"uri\": \"bumps.png\"}], \"textures\": [{\"source\": 0}], \"meshes\"", 1);
     let text = text.replacen("\"extensionsUsed\": [", "\"extensionsUsed\": [\"KHR_materials_sheen\", ", 1);
+    let text = text.replacen("\"doubleSided\": false", "\"doubleSided\": true", 1);
     let report = gltf(text.as_bytes(), ".").unwrap().report;
     let entries: Vec<_> = report.entries().collect();
-    assert_eq!(entries, [("blended alpha: the material is opaque", 1), ("extension KHR_materials_sheen", 1)]);
+    let expected = [
+        ("blended alpha: the material is opaque", 1),
+        ("emission of the back: the front alone emits", 1),
+        ("extension KHR_materials_sheen", 1),
+        ("normal map", 1),
+    ];
+    assert_eq!(entries, expected);
 }
 
 /// Spot lights become lights, masks holes.
@@ -95,6 +108,8 @@ fn beams_and_masks_are_used() {
     let loaded = gltf(lit.as_bytes(), ".").unwrap();
     assert!(loaded.report.is_empty(), "{}", loaded.report);
     assert!(loaded.builder.build().unwrap().to_string().contains("5 lights near"));
+    let ranged = lit.replace("\"type\": \"spot\"", "\"type\": \"spot\", \"range\": 3.0");
+    assert_eq!(gltf(ranged.as_bytes(), ".").unwrap().report.to_string(), "range of a light: it has none (1×)");
     // left out where it is needed: found by mutation
     let refused = |text: String| gltf(text.as_bytes(), ".").unwrap_err().to_string();
     assert!(refused(lit.replace("\"spot\": {\"outerConeAngle\": 0.5}", "\"name\": \"x\"")).contains("light 0 is a spot without a beam"));
@@ -157,18 +172,94 @@ fn impossible_scenes_are_refused() {
     }
     let mut scene = Scene::builder();
     assert!(scene.point_light([0.0, f64::NAN, 0.0], [1.0; 3]).is_err());
+    // each is finite, their sum is not
+    let lamp = scene.material(Material::diffuse([0.0; 3]).emitting([f64::MAX; 3]));
+    scene.mesh(shapes::cuboid([0.0; 3], [1.0; 3]).unwrap(), lamp).unwrap();
+    assert!(problem(scene.build()).starts_with("invalid power of the lights = inf"));
+    let mut scene = Scene::builder();
     assert!(scene.directional_light([0.0; 3], [1.0; 3]).is_err());
 }
 
-/// No geometry, no light: a black image, and the verdict says that nothing scored.
+/// No geometry, no light: a black image; the scene says why, and the verdict that nothing scored.
 #[test]
 fn nothing_is_black() {
     use fredholm::scene::Camera;
     use fredholm::statistics::Verdict;
-    let scene = Scene::builder().build().unwrap();
-    let film = scene.film(Camera::look_at([0.0; 3], [1.0, 0.0, 0.0]), 2, 2);
-    let image = scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(8)).unwrap();
-    assert!(image.pixels().iter().all(|p| p.value.0 == [0.0; 3] && p.verdict() == Verdict::NothingScored));
+    let mut dark = Scene::builder();
+    let grey = dark.material(Material::diffuse([0.5; 3]));
+    dark.mesh(shapes::room([-1.0; 3], [1.0; 3]).unwrap(), grey).unwrap();
+    assert!(dark.is_dark());
+    for builder in [Scene::builder(), dark] {
+        let scene = builder.build().unwrap();
+        assert!(scene.to_string().contains("no light: the image is black"), "{scene}");
+        let film = scene.film(Camera::look_at([0.0; 3], [1.0, 0.0, 0.0]), 2, 2);
+        let image = scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(8)).unwrap();
+        assert!(image.pixels().iter().all(|p| p.value.0 == [0.0; 3] && p.verdict() == Verdict::NothingScored));
+    }
+}
+
+/// Triangles without area are there, and said to be, but nothing hits them and they light nothing; one turned over shows, and emits from, its other side.
+#[test]
+fn flat_and_inverted_triangles() {
+    use fredholm::scene::{Camera, Sides, geometry::Mesh};
+    let lamp = |triangle: [u32; 3]| {
+        let mut scene = Scene::builder();
+        let lamp = scene.material(Material::diffuse([0.5; 3]).emitting([1.0; 3]).sides(Sides::Front));
+        let corners = vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]];
+        scene.mesh(Mesh::new(corners, vec![triangle]).unwrap(), lamp).unwrap();
+        let scene = scene.build().unwrap();
+        let seen = |z: f64| {
+            let film = scene.film(Camera::towards([0.0, 0.0, z], [0.0, 0.0, -z]), 1, 1);
+            scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(4)).unwrap()[(0, 0)].value[0]
+        };
+        ([1.0, -1.0].map(seen), scene.to_string())
+    };
+    assert_eq!(lamp([0, 1, 2]).0, [1.0, 0.0]);
+    assert_eq!(lamp([0, 2, 1]).0, [0.0, 1.0]);
+    let (dark, says) = lamp([0, 1, 1]);
+    assert_eq!(dark, [0.0; 2]);
+    assert!(says.contains("triangles without area are never hit") && says.contains("no light"), "{says}");
+}
+
+/// Pictures of absurd sizes, and what is no picture.
+#[test]
+fn hostile_pictures_are_refused() {
+    let text = std::fs::read_to_string(scene_file("plates.gltf")).unwrap();
+    let with = |uri: &str| {
+        let images = format!("\"images\": [{{\"uri\": \"{uri}\"}}], \"textures\": [{{\"source\": 0}}], \"meshes\"");
+        let text = text.replacen("\"meshes\"", &images, 1);
+        let text = text.replacen("\"baseColorFactor\"", "\"baseColorTexture\": {\"index\": 0}, \"baseColorFactor\"", 1);
+        problem(gltf(text.as_bytes(), ".").and_then(|l| l.builder.build()))
+    };
+    // headers of PNG images
+    let million = "iVBORw0KGgoAAAANSUhEUgAPQkAAD0JACAYAAABcbTh9AAAACElEQVR4nAMAAAAAAUgGidIAAAAASUVORK5CYII=";
+    let empty = "iVBORw0KGgoAAAANSUhEUgAAAAAAAAAECAYAAACgGj4EAAAACElEQVR4nAMAAAAAAUgGidIAAAAASUVORK5CYII=";
+    for (uri, expected) in [
+        (format!("data:image/png;base64,{million}"), "1000000 × 1000000 texels"),
+        (format!("data:image/png;base64,{empty}"), "image 0"),
+        ("data:image/png;base64,iVBORw0KGgo=".into(), "image 0"),
+        ("data:image/png;base64,AAAA".into(), "neither PNG nor JPEG"),
+        ("nowhere.png".into(), "nowhere.png"),
+        ("https://example.org/a.png".into(), "only files beside the scene"),
+    ] {
+        let message = with(&uri);
+        assert!(message.contains(expected), "{uri}: {message}");
+    }
+}
+
+/// Frosted glass of index 1 bends nothing: what is behind is seen through it, by all walks.
+#[test]
+fn glass_of_index_1_is_not_there() {
+    use fredholm::scene::Camera;
+    let mut scene = Scene::builder();
+    let wall = scene.material(Material::diffuse([0.5; 3]).emitting([1.0; 3]));
+    let nothing = scene.material(Material::frosted(1.0, 0.5));
+    scene.mesh(shapes::room([-1.0; 3], [1.0; 3]).unwrap(), wall).unwrap();
+    scene.sphere([0.0; 3], 0.5, nothing).unwrap();
+    let scene = scene.build().unwrap();
+    let film = scene.film(Camera::look_at([0.0, 0.1, 0.9], [0.0; 3]), 1, 1);
+    let image = scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(1 << 10)).unwrap();
+    assert!(image[(0, 0)].agrees_with(fredholm::Spectrum([2.0; 3]), 5.0), "{}", image[(0, 0)]);
 }
 
 /// Files with bytes changed, doubled or left out: an error or a scene, never a panic.

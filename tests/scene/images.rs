@@ -1,6 +1,7 @@
 //! Films, images, cameras.
 
-use fredholm::scene::{Camera, Environment, Filter, Material, Scene, shapes};
+use fredholm::scene::{Camera, Environment, Filter, Material, Scene, Sides, shapes};
+use fredholm::statistics::Verdict;
 use fredholm::{Error, Spectrum, Walk};
 
 /// A sky that is black on the left and white on the right of −z.
@@ -96,6 +97,58 @@ fn images_come_in_rounds() {
     let whole = query.solve(&walk).unwrap();
     assert!(rounds[2].estimates.pixels().iter().zip(whole.pixels()).all(|(a, b)| a.moments == b.moments));
     assert!(rounds[0].estimates.relative_error() > rounds[2].estimates.relative_error());
+    // interrupted after the first, and another day
+    let mut first = query.rounds(&walk).unwrap();
+    first.next().unwrap().unwrap();
+    let resumed = query.rounds(&walk).unwrap().resume(first.checkpoint()).unwrap().last().unwrap().unwrap().estimates;
+    assert!(resumed.pixels().iter().zip(whole.pixels()).all(|(a, b)| a.moments == b.moments));
+    // or ended as soon as the error is small enough
+    let wanted = rounds[1].estimates.relative_error().unwrap();
+    let enough = query.rounds(&walk).unwrap().map(Result::unwrap).find(|r| r.estimates.relative_error().unwrap() <= wanted).unwrap();
+    assert_eq!(enough.samples, 32);
+}
+
+/// The errors are in the file, pixel by pixel.
+#[test]
+fn exr_files_hold_errors() {
+    use exr::prelude::{ReadChannels, ReadLayers, read};
+    let scene = two_sided_sky();
+    let film = scene.film(Camera::towards([0.0; 3], [0.1, 0.0, -1.0]), 2, 1);
+    let image = scene.light_transport().seen_by(&film).solve(&Walk::collision().samples_per_cell(64)).unwrap();
+    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("errors.exr");
+    image.write_exr(&file).unwrap();
+    let layer = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let channels = layer.from_file(&file).unwrap().layer_data.channel_data.list;
+    let number = |name: &str, at: usize| {
+        let channel = channels.iter().find(|c| c.name.to_string() == name).unwrap_or_else(|| panic!("no channel {name}"));
+        channel.sample_data.values_as_f32().nth(at).unwrap()
+    };
+    let dark = &image[(0, 0)];
+    assert!(dark.value[0] > 0.0 && dark.value[0] < 1.0);
+    assert_eq!((number("R", 0), number("error.R", 0)), (dark.value[0] as f32, dark.std_error.unwrap()[0] as f32));
+    assert_eq!((number("B", 1), number("error.B", 1)), (1.0, 0.0));
+}
+
+/// A pinhole on a wall, in a corner, on a lamp, in the middle of a solid: it sees what is there, and nothing is lost to its own surface.
+#[test]
+fn cameras_may_stand_anywhere() {
+    let mut scene = Scene::builder();
+    let wall = scene.material(Material::diffuse([0.5; 3]).emitting([1.0; 3]));
+    // gives back what it gets, and is black inside
+    let solid = scene.material(Material::diffuse([1.0; 3]).sides(Sides::Front));
+    scene.mesh(shapes::room([-1.0; 3], [1.0; 3]).unwrap(), wall).unwrap();
+    scene.mesh(shapes::cuboid([0.5; 3], [0.9; 3]).unwrap(), solid).unwrap();
+    let scene = scene.build().unwrap();
+    let seen = |eye: [f64; 3]| {
+        let film = scene.film(Camera::look_at(eye, [0.1, -0.2, 0.05]).field_of_view(20.0), 1, 1);
+        scene.light_transport().seen_by(&film).solve(&Walk::collision().samples_per_cell(1 << 10)).unwrap()[(0, 0)].clone()
+    };
+    for eye in [[-1.0, 0.0, 0.0], [-1.0; 3], [0.0, 1.0, 0.0], [-1.0, -1.0, 0.0]] {
+        let pixel = seen(eye);
+        assert!(pixel.agrees_with(Spectrum([2.0; 3]), 5.0), "{eye:?}: {pixel}");
+    }
+    let inside = seen([0.7; 3]);
+    assert_eq!((inside.value, inside.verdict()), (Spectrum([0.0; 3]), Verdict::NothingScored));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod directions;
+mod enclosures;
 mod files;
 mod furnaces;
 mod images;

@@ -2,7 +2,7 @@
 
 use crate::common::{Budget, all_pass};
 use fredholm::Spectrum;
-use fredholm::sampling::{Pcg, Sampler, Sequence};
+use fredholm::sampling::{Pcg, Sampler, Sequence, Sobol};
 use fredholm::scene::{Bsdf, MetallicRoughness};
 
 fn laws() -> Vec<(&'static str, Bsdf)> {
@@ -139,5 +139,36 @@ fn smooth_laws_keep_energy() {
         }
         // beyond the critical angle nothing comes out
         assert_eq!(through == 0, wo[2] == -0.2, "{through} of 1000 through");
+    }
+}
+
+/// The white furnace of every roughness and angle: nothing gives back more than it gets, and narrow lobes lose next to nothing. Light that meets facets twice
+/// is lost: of a metal with α = 1, seen from above, E = ∫₀¹ c/(1 + c) dc = 1 − ln 2 is left.
+#[test]
+fn white_things_are_not_brighter_than_white() {
+    let white = Spectrum([1.0; 3]);
+    for alpha in [1e-4, 1e-2, 0.1, 0.3, 0.6, 1.0] {
+        let plastic = MetallicRoughness { diffuse: white, specular: Spectrum([0.04; 3]), grazing: 1.0, alpha };
+        for (name, bsdf, keeps) in [
+            ("metal", Bsdf::Conductor { specular: white, alpha }, true),
+            ("glass, from outside", Bsdf::RoughDielectric { index: 1.5, tint: white, alpha }, true),
+            ("glass, from inside", Bsdf::RoughDielectric { index: 1.0 / 1.5, tint: white, alpha }, true),
+            ("plastic", Bsdf::MetallicRoughness(plastic), false),
+        ] {
+            for cosine in [1.0, 0.8, 0.4, 0.1] {
+                const N: u64 = 1 << 12;
+                let weight = |i| bsdf.sample(direction(cosine, 0.7), &mut Sobol::new(1).point(0, 0, i)).unwrap().weight[0];
+                let (sum, most) = (0..N).map(weight).fold((0.0, 0.0f64), |(s, m), w| (s + w, m.max(w)));
+                let given = sum / N as f64;
+                let what = format!("{name}, α = {alpha}, cos θ = {cosine}: {given} of 1, weights up to {most}");
+                assert!(given <= 1.0 + 2e-3, "{what}");
+                // facets drawn as they are seen have weights F G/G₁
+                assert!(!keeps || most <= 1.0 + 1e-12, "{what}");
+                assert!(!keeps || given >= 1.0 - (alpha / cosine).min(0.75), "{what}");
+                if (name, alpha, cosine) == ("metal", 1.0, 1.0) {
+                    assert!((given - (1.0 - 2f64.ln())).abs() < 1e-3, "{what}");
+                }
+            }
+        }
     }
 }

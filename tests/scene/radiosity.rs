@@ -57,3 +57,40 @@ fn patch_by_patch() {
         budget.mean(&format!("radiosity, {c}"), (walked, error, 1e6), nearest, 0.03 * solved)
     }));
 }
+
+/// A convex room of several colours under a ceiling that glows: patch by patch within the errors of the walks, after patches of two sizes have shown that
+/// theirs are smaller.
+#[test]
+fn every_patch_of_a_convex_room() {
+    let mut scene = Scene::builder();
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let walls = [([0.0; 3], z, x, 0.7), ([0.0; 3], y, z, 0.2), (x, z, y, 0.5), ([0.0; 3], x, y, 0.8), (z, y, x, 0.6)];
+    for (corner, u, v, albedo) in walls {
+        let wall = scene.material(Material::diffuse([albedo, 0.5 * albedo, 0.3]).sides(Sides::Front));
+        scene.mesh(shapes::parallelogram(corner, u, v).unwrap(), wall).unwrap();
+    }
+    let ceiling = scene.material(Material::diffuse([0.5; 3]).emitting([1.0; 3]).sides(Sides::Front));
+    scene.mesh(shapes::parallelogram(y, x, z).unwrap(), ceiling).unwrap();
+    let scene = scene.build().unwrap();
+    let equation = scene.light_transport();
+    let [coarse, fine] = [0.36, 0.18].map(|size| equation.seen_by(&scene.patches(size).unwrap()).solve(&Radiosity).unwrap());
+    let walk = Walk::mis().roulette(Roulette::throughput(0.3)).samples_per_cell(1 << 10).seed(3);
+    let walked = equation.seen_by(&scene.patches(0.36).unwrap()).solve(&walk).unwrap();
+    // the four triangles of each
+    let means: Vec<f64> = fine.as_chunks::<4>().0.iter().map(|part| part.iter().map(|l| l[0] / 4.0).sum()).collect();
+    assert_eq!((coarse.len(), means.len(), walked.len()), (192, 192, 192));
+    let errors: Vec<f64> = walked.iter().map(|w| w.std_error.unwrap()[0]).collect();
+    let square = |of: &dyn Fn(usize) -> f64| (0..192).map(|i| (of(i) / errors[i]).powi(2)).sum::<f64>() / 192.0;
+    let mean = |of: &dyn Fn(usize) -> f64| (0..192).map(of).sum::<f64>() / 192.0;
+    // between the sizes a third of the coarse patches' error and most of all that the fine ones have left
+    let drift = square(&|i| means[i] - coarse[i][0]);
+    let drift_of_mean = (mean(&|i| means[i]) - mean(&|i| coarse[i][0])).abs() / mean(&|i| means[i]);
+    assert!(drift < 0.2 && drift_of_mean < 1e-3, "χ² of the patches {drift}, their mean {drift_of_mean}");
+    let chi = square(&|i| walked[i].value[0] - means[i]);
+    let error = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / 192.0;
+    let mut budget = Budget::of("scene::radiosity room");
+    all_pass([
+        budget.at_most("χ² a patch", (chi, (2.0f64 / 192.0).sqrt(), 1e6), 1.0 + drift, 0.9),
+        budget.mean("mean of the room", (mean(&|i| walked[i].value[0]), error, 1e6), mean(&|i| means[i]), 0.01 * mean(&|i| means[i])),
+    ]);
+}

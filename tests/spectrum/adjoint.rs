@@ -1,7 +1,8 @@
 //! ⟨h, f⟩ corrected by the adjoint solution.
 
+use crate::erased::Equation;
 use fredholm::deterministic::Nystrom;
-use fredholm::{Complex, Equation, Error, GroupMatrix, Spectrum};
+use fredholm::{Complex, Error, GroupMatrix, Spectrum};
 
 #[test]
 fn accuracy_is_doubled() {

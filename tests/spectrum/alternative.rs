@@ -1,7 +1,8 @@
 //! Equations with 1 in the spectrum of T.
 
+use crate::erased::Equation;
+use fredholm::Error;
 use fredholm::deterministic::{Alternative, Nystrom};
-use fredholm::{Equation, Error};
 use std::f64::consts::PI;
 
 fn refusal(g: fn(f64) -> f64, k: fn(f64, f64) -> f64, rule: &Nystrom) -> Alternative {

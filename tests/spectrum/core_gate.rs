@@ -2,12 +2,13 @@
 //!
 //! The error is within the tolerance, and never above what the solve itself reports.
 
+use crate::erased::{Equation, kernel_fn, source_fn};
 use fredholm::deterministic::{Nystrom, eigenpairs};
 use fredholm::domain::{Disk, Domain, Grouped, HalfLine, Interval, Periodic};
-use fredholm::kernel::{HasDomain, Kernel, difference_fn, kernel_fn};
-use fredholm::source::{Source, source_fn};
+use fredholm::kernel::{HasDomain, Kernel, difference_fn};
+use fredholm::source::Source;
 use fredholm::special::e1;
-use fredholm::{Complex, Equation, Value, Weight};
+use fredholm::{Complex, Value, Weight};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Fourteen decimals of a printed number are good; a closed form to some roundings.

@@ -1,13 +1,13 @@
 //! Fredholm determinants with closed forms, and the Tracy–Widom distribution.
 
+use crate::erased::{AnyKernel, kernel_fn};
 use fredholm::deterministic::quadrature::composite_unit_rule;
 use fredholm::deterministic::{Determinant, Nystrom, determinant};
 use fredholm::domain::Interval;
-use fredholm::kernel::{KernelFn, kernel_fn};
 use fredholm::{Complex, Error};
 use std::f64::consts::PI;
 
-type Real = KernelFn<Interval, fn(&f64, &f64) -> f64, f64>;
+type Real = AnyKernel<'static, Interval>;
 
 fn on(a: f64, b: f64, k: fn(&f64, &f64) -> f64) -> Real {
     kernel_fn(Interval::from(a..=b), k)

@@ -1,9 +1,9 @@
 //! Lines, periods and disks: the laws of their maps, and equations on them with closed forms; complex equations.
 
+use crate::erased::{Equation, kernel_fn};
 use fredholm::deterministic::{Nystrom, eigenpairs};
 use fredholm::domain::{Disk, Domain, Grouped, HalfLine, Line, Periodic};
-use fredholm::kernel::kernel_fn;
-use fredholm::{Complex, Equation, Error, Walk};
+use fredholm::{Complex, Error, Walk};
 use std::f64::consts::PI;
 
 /// The maps of a line: inverse, density, displacements without cancellation.

@@ -1,10 +1,10 @@
 //! Systems that are too large for elimination: what is chosen, and that it solves the same equation.
 
+use crate::erased::{Equation, source_fn};
+use fredholm::Error;
 use fredholm::deterministic::{Nystrom, NystromSolution};
 use fredholm::domain::Interval;
 use fredholm::kernel::HasDomain;
-use fredholm::source::source_fn;
-use fredholm::{Equation, Error};
 use std::f64::consts::PI;
 
 type Kernel = fn(f64, f64) -> f64;

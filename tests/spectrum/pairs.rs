@@ -1,12 +1,13 @@
 //! Eigenpairs: claimed errors hold, functions solve their equations.
 
+use crate::erased::{AnyKernel, kernel_fn};
 use fredholm::deterministic::{Eigenpair, Nystrom, eigenpairs, eigenvalues, spectral_radius};
 use fredholm::domain::{Cuboid, Grouped, Interval};
-use fredholm::kernel::{HasDomain, Kernel, KernelFn, kernel_fn};
+use fredholm::kernel::{HasDomain, Kernel};
 use fredholm::{Complex, Error, GroupMatrix};
 use std::f64::consts::PI;
 
-type Real = KernelFn<Interval, fn(&f64, &f64) -> f64, f64>;
+type Real = AnyKernel<'static, Interval>;
 
 fn on(a: f64, b: f64, k: fn(&f64, &f64) -> f64) -> Real {
     kernel_fn(Interval::from(a..=b), k)

@@ -1,6 +1,7 @@
 //! What a run must survive: being killed, a full disk, a panic in a function of the user's, a long time.
 
-use fredholm::{Equation, Error, Walk};
+use crate::erased::Equation;
+use fredholm::{Error, Walk};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -144,6 +144,22 @@ mod tests {
             total += sky.pdf(&Vec3::from(UniformSphere.sample(u))) * 4.0 * PI / (N * N) as f64;
         }
         assert!((blue / (4.0 * PI) - 1.0).abs() < 1e-2 && (total - 1.0).abs() < 2e-2, "{blue} {total}");
+        // texel by texel: the density times the solid angle is the share of the samples, and all shares are 1
+        let mut counts = [0.0; 32];
+        for k in 0..N * N {
+            let u = [(k % N) as f64 + 0.5, (k / N) as f64 + 0.5].map(|c| c / N as f64);
+            let [x, y] = place(&sky.sample(u).0);
+            counts[(y * 4.0) as usize * 8 + (x * 8.0) as usize] += 1.0 / (N * N) as f64;
+        }
+        let share = |k: usize| {
+            let (above, below) = sky.row(k / 8);
+            let (cosine, angle) = (0.5 * (above + below), TAU * ((k % 8) as f64 + 0.5 - 4.0) / 8.0);
+            let sine = ((1.0 - cosine) * (1.0 + cosine)).sqrt();
+            sky.pdf(&Vec3::new(sine * angle.sin(), cosine, -sine * angle.cos())) * (above - below) * TAU / 8.0
+        };
+        let shares: Vec<f64> = (0..32).map(share).collect();
+        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        assert!(counts.iter().zip(&shares).all(|(a, b)| (a - b).abs() < 2.0 / N as f64), "{counts:?} {shares:?}");
         assert!(Environment::map(1, 1, vec![[f32::NAN; 3]]).is_err());
         assert!(Environment::map(2, 1, vec![[1.0; 3]]).is_err());
     }

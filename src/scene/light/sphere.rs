@@ -51,3 +51,30 @@ impl SphereLight {
         (d.dot(normal) / (r2 * r2.sqrt() * TAU * self.height(x))).max(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Directions are uniform in the cone, so that each sample alone has its solid angle: cos θ/(r² q) = Ω. Far away, near by, and at the surface.
+    #[test]
+    fn every_sample_has_the_solid_angle() {
+        let light = SphereLight { centre: Vec3::new(0.3, -0.2, 0.5), radius: 2.0 };
+        for (distance, digits) in [(2e6, 1e-9), (10.0, 1e-12), (2.5, 1e-12), (2.0 + 1e-6, 1e-9)] {
+            let x = light.centre + Vec3::new(0.48, -0.6, 0.64) * distance;
+            let cone = TAU * light.height(&x);
+            let (axis, mut mean) = ((light.centre - x) / distance, 0.0);
+            const N: usize = 32;
+            for k in 0..N * N {
+                let (normal, weight) = light.sample(&x, [k % N, k / N].map(|i| (i as f64 + 0.5) / N as f64)).unwrap();
+                let to = light.centre + normal * light.radius - x;
+                let cosine = -to.dot(&normal) / to.norm();
+                // near the horizon of the sphere cosine and density share their rounding, and little else
+                assert!((weight * cosine / to.norm_squared() / cone - 1.0).abs() < digits / cosine, "{distance}: {weight} {cosine}");
+                mean += (1.0 - to.dot(&axis) / to.norm()) / (N * N) as f64;
+            }
+            assert!((mean / (0.5 * light.height(&x)) - 1.0).abs() < 1e-3, "{distance}: {mean}");
+        }
+        assert!(!light.faces(&light.centre));
+    }
+}

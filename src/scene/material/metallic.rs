@@ -1,11 +1,14 @@
 //! The material of glTF 2.0: a diffuse base under a dielectric coat, mixed with a metal.
 //!
 //! ```text
-//! f = (1 − max F) c/π + F D G/(4 cos θₒ cos θᵢ),     F = F₀ + (F₉₀ − F₀)(1 − ωₒ·h)⁵
+//! f = (1 − M(cos θₒ)) (1 − M(cos θᵢ))/(1 − M̄) c/π + F(ωₒ·h) D G/(4 cos θₒ cos θᵢ),     F(x) = F₀ + (F₉₀ − F₀)(1 − x)⁵,   M = max F
 //! c = (1 − m) base,   F₀ = (1 − m) min(0.04 s, 1) + m base,   F₉₀ = (1 − m) s + m            m metallic, s specular, α = roughness²
 //! ```
 //!
-//! glTF 2.0, appendix B; `KHR_materials_specular`, `KHR_materials_ior` (0.04 becomes ((n − 1)/(n + 1))²).
+//! glTF 2.0, appendix B; `KHR_materials_specular`, `KHR_materials_ior` (0.04 becomes ((n − 1)/(n + 1))²). The appendix suggests 1 − M(ωₒ·h) for the share
+//! of the base, with which white plastic gives back 1.07 of what it gets at 66° and more beyond. Instead the base gets what the coat lets in and gives what it
+//! lets out, over the mean M̄ = M₀ + (F₉₀ − M₀)/21: base and smooth coat together give back M + (1 − M) c. Kelemen, Szirmay-Kalos, *A microfacet based coupled
+//! specular-matte BRDF model with importance sampling*, Eurographics 2001.
 
 use super::{Ray, fresnel, ggx, roughness, share};
 use crate::error::Error;
@@ -94,9 +97,17 @@ impl MetallicRoughness {
             return Rgb::ZERO;
         }
         let h = (wo + wi).normalize();
-        let f = self.fresnel(wo.dot(&h));
-        let base = self.diffuse.scaled((1.0 - f.magnitude()) * wi.z * FRAC_1_PI);
-        base + ggx::value(self.alpha, |_| f, wo, wi)
+        let base = self.diffuse.scaled(self.coupling(wo.z, wi.z) * wi.z * FRAC_1_PI);
+        base + ggx::value(self.alpha, |_| self.fresnel(wo.dot(&h)), wo, wi)
+    }
+
+    /// (1 − M(cos θₒ)) (1 − M(cos θᵢ))/(1 − M̄).
+    #[inline]
+    fn coupling(&self, out: f64, into: f64) -> f64 {
+        let lets = |cosine: f64| 1.0 - self.fresnel(cosine).magnitude();
+        let mean = (20.0 * lets(1.0) + 1.0 - self.grazing) / 21.0;
+        // nothing passes a coat that mirrors all
+        if mean > 0.0 { lets(out) * lets(into) / mean } else { 0.0 }
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Inputs at the edge of what numbers can do, and what must come of them: an answer with a true error, or a refusal by name.
 
-#![allow(unreachable_pub, unused_imports, reason = "the test and the example each use their part")]
+#![allow(unreachable_pub, unused_imports, reason = "a module of the example `stress`")]
 
 mod kernels;
 mod numbers;
