@@ -23,7 +23,7 @@ pub struct Attributes {
     pub texcoords: Vec<[f32; 2]>,
 }
 
-/// Collects shapes, materials and lights.
+/// Collects shapes, materials and lights. A shape that is there twice is stored twice: there are no instances.
 ///
 /// ```
 /// use fredholm::scene::{Material, Scene, Sides, shapes};

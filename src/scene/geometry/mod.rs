@@ -144,7 +144,8 @@ impl Geometry {
     }
 }
 
-/// Primitives that are tried one by one rather than by a tree.
+/// Primitives that are tried one by one rather than by a tree. Rays a second without one over with one, primary, bounce, shadow, on random triangles and
+/// on rectangles: 4 of them 2.5, 2.0, 3.5 and 1.4, 1.3, 1.2; 8 of them 2.3, 2.1, 2.4 and 1.2, 0.8, 1.2; 16 of them 1.4, 0.8, 0.9 and 1.3, 0.8, 0.7.
 const PLAIN: usize = 8;
 
 /// Triangles with an area, and how many have none.

@@ -6,6 +6,9 @@
 //! | Wavefront `.obj` with `.mtl` | triangles and polygons, normals, texture coordinates, `Kd`, `Ke`, `Ks`, `Ns`, `Ni`, `d`, `map_Kd` | illumination models, other maps |
 //!
 //! What a file uses and this crate does not is in the [`Report`], by name and number.
+//!
+//! A mesh that several nodes share is copied for each of them: 160 to 260 bytes a triangle in all (its corners, 36 bytes in single precision or 72, its
+//! share of the tree, its normal, rounding error and material), and 64 more if it has normals or texture coordinates.
 
 mod accessor;
 mod gltf_file;
