@@ -17,7 +17,8 @@ use std::{fmt::Write, path::Path, time::Instant};
 type Picture = Image<Estimate<Spectrum<3>>>;
 type Light = Equation<Emission, LightTransport>;
 
-const NAMES: [&str; 8] = ["hits", "next event", "MIS", "MIS, Sobol'", "light tracing", "pairs", "Metropolis, pairs", "photon density"];
+const NAMES: [&str; 8] =
+    ["hits", "next event", "MIS", "MIS along Sobol'", "light tracing", "pairs", "Metropolis on pairs", "photon density"];
 
 /// An image by method `k` with about `n` walks a pixel.
 fn image(k: usize, (light, film): (&Light, &Film), n: u64, disk: f64) -> Result<Picture, Error> {

@@ -20,6 +20,7 @@
 use super::counters::{Counters, count};
 use super::frame::{Frame, Vec3};
 use super::geometry::Surface;
+use super::local::{Connection, Local};
 use super::material::{Bsdf, Sides};
 use super::state::{Place, State};
 use super::{Inner, Rgb, Scene};
@@ -29,7 +30,6 @@ use crate::kernel::{Absorbing, Kernel, Operator, Step, Transition, TransitionPdf
 use crate::sampling::Sampler;
 use crate::source::{SampleSource, Source};
 use crate::value::{Value, Weight};
-use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 /// The source Lₑ: what surfaces, environment and lights without extent emit.
@@ -50,57 +50,6 @@ impl Scene {
     pub(super) fn transport(&self, counters: Option<Arc<Counters>>) -> Equation<Emission, LightTransport> {
         Equation::new(Emission(self.0.clone(), counters.clone()), LightTransport(self.0.clone(), counters))
     }
-}
-
-/// The scattering law at a state.
-pub(super) struct Local {
-    pub(super) bsdf: Bsdf,
-    pub(super) outgoing: Vec3,
-    /// true unit normal; on opaque surfaces on the side of ωₒ
-    pub(super) normal: Vec3,
-    /// the one to shade with
-    pub(super) smooth: Vec3,
-}
-
-impl Local {
-    /// Whether ωᵢ is on the same side of the interpolated normal and of the true one: light on no other way.
-    #[inline]
-    pub(super) fn agree(&self, wi: &Vec3) -> bool {
-        self.smooth.dot(wi) * self.normal.dot(wi) > 0.0
-    }
-
-    /// f |cos θᵢ|.
-    #[inline]
-    pub(super) fn value(&self, wi: &Vec3) -> Rgb {
-        match self.bsdf {
-            _ if !self.agree(wi) => Rgb::ZERO,
-            // no frame is needed for the most frequent law
-            Bsdf::Lambertian { albedo } => albedo.scaled(self.smooth.dot(wi).max(0.0) * FRAC_1_PI),
-            bsdf => {
-                let frame = Frame::around(self.smooth);
-                bsdf.value(&frame.to_local(&self.outgoing), &frame.to_local(wi))
-            }
-        }
-    }
-
-    /// pdf(ωᵢ).
-    #[inline]
-    pub(super) fn density(&self, wi: &Vec3) -> f64 {
-        match self.bsdf {
-            _ if !self.agree(wi) => 0.0,
-            Bsdf::Lambertian { .. } => self.smooth.dot(wi).max(0.0) * FRAC_1_PI,
-            bsdf => {
-                let frame = Frame::around(self.smooth);
-                bsdf.density(&frame.to_local(&self.outgoing), &frame.to_local(wi))
-            }
-        }
-    }
-}
-
-/// From x to y: the direction, and dω/dμ = |cos θ_y|/r².
-pub(super) struct Connection {
-    pub(super) direction: Vec3,
-    pub(super) solid_angle: f64,
 }
 
 impl Inner {
@@ -242,24 +191,30 @@ impl Operator for LightTransport {
     type Weight = Rgb;
 }
 
-impl Kernel for LightTransport {
-    /// Everything that can be 0 is asked before the shadow ray.
+impl LightTransport {
+    /// K(x, y) and what it is made of, if it is not 0. Everything that can be 0 is asked before the shadow ray.
     #[inline]
-    fn eval(&self, x: &State, y: &State) -> Rgb {
+    fn lit(&self, x: &State, y: &State) -> Option<(Rgb, Local, Connection)> {
         let LightTransport(scene, counters) = self;
-        let Some(local) = scene.local(x) else { return Rgb::ZERO };
-        let Some(Connection { direction, solid_angle }) = scene.connection(x, y) else { return Rgb::ZERO };
-        let value = local.value(&direction).scaled(solid_angle);
+        let (local, way) = (scene.local(x)?, scene.connection(x, y)?);
+        let value = local.value(&way.direction).scaled(way.solid_angle);
         if value == Rgb::ZERO {
             count(counters, |c| &c.dark);
-            return Rgb::ZERO;
+            return None;
         }
         count(counters, |c| &c.shadow_rays);
-        if scene.visible(x, y, &direction) {
-            return value;
+        if scene.visible(x, y, &way.direction) {
+            return Some((value, local, way));
         }
         count(counters, |c| &c.blocked);
-        Rgb::ZERO
+        None
+    }
+}
+
+impl Kernel for LightTransport {
+    #[inline]
+    fn eval(&self, x: &State, y: &State) -> Rgb {
+        self.lit(x, y).map_or(Rgb::ZERO, |lit| lit.0)
     }
 }
 
@@ -285,10 +240,12 @@ impl TransitionPdf for LightTransport {
     #[inline]
     fn pdf(&self, x: &State, y: &State) -> f64 {
         let Some(local) = self.0.local(x) else { return 0.0 };
-        self.0.connection(x, y).map_or(0.0, |c| match y.place {
-            Place::Light(_) => 0.0,
-            _ => local.density(&c.direction) * c.solid_angle,
-        })
+        self.0.connection(x, y).map_or(0.0, |way| local.pdf(y, &way))
+    }
+
+    #[inline]
+    fn eval_and_pdf(&self, x: &State, y: &State) -> (Rgb, f64) {
+        self.lit(x, y).map_or((Rgb::ZERO, 0.0), |(k, local, way)| (k, local.pdf(y, &way)))
     }
 }
 

@@ -44,6 +44,7 @@ mod light;
 mod light_tracing;
 mod light_transport;
 pub mod load;
+mod local;
 mod material;
 mod photon;
 mod photon_density;

@@ -36,7 +36,7 @@ pub(super) struct Branch {
     pub(super) is_item: bool,
 }
 
-/// The branches, the root first, and the items in the order of their numbers.
+/// The branches, the root first and parents before their children, and the items in the order of their numbers.
 ///
 /// Ranges are split where a sum of areas times counts is least, among the limits of slices: minima, maxima and counts, which are the same
 /// in whatever order they are taken. Wald (2007), On fast construction of SAH-based bounding volume hierarchies, §3.

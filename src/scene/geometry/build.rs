@@ -3,6 +3,7 @@
 use super::binary::{Binary, Box32, area};
 use super::leaves::Leaf;
 use super::tree::{LANES, Node, Place, Tree};
+use crate::parallel;
 
 /// Items in a leaf.
 pub(super) const IN_LEAF: usize = 4;
@@ -41,7 +42,7 @@ impl Place {
 /// A tree over boxes, its leaves, and the indices of the boxes in their order.
 pub(super) fn build(bounds: &[Bounds]) -> (Tree, Vec<Leaf>, Vec<u32>) {
     let place = Place::of(around(bounds.iter().copied()));
-    let boxes: Vec<Box32> = bounds.iter().map(|&b| place.single(b)).collect();
+    let boxes: Vec<Box32> = parallel::map_short(bounds.len(), |i| place.single(bounds[i]));
     let binary = Binary::new(&boxes);
     Collapse::new(&binary).run(place)
 }
@@ -66,14 +67,9 @@ impl<'a> Collapse<'a> {
     fn new(binary: &'a Binary) -> Self {
         let nothing = Plan { cost: [0.0; LANES], split: [0; LANES], count: 0 };
         let mut collapse = Collapse { binary, plans: vec![nothing; binary.branches.len()] };
-        let mut work = vec![(0_usize, false)];
-        while let Some((i, ready)) = work.pop() {
-            let (node, first) = (&binary.branches[i], binary.branches[i].first as usize);
-            if node.is_item || ready {
-                collapse.plans[i] = collapse.plan(i);
-            } else {
-                work.extend([(i, true), (first, false), (first + 1, false)]);
-            }
+        // children come after their parents
+        for i in (0..binary.branches.len()).rev() {
+            collapse.plans[i] = collapse.plan(i);
         }
         collapse
     }

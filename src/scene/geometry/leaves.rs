@@ -5,6 +5,7 @@ use super::lanes::prefetch;
 use super::tree::{Slab, Tree, Visitor};
 use super::triangle::{Coordinate, Frame};
 use super::{Hit, Sphere};
+use crate::parallel;
 use fearless_simd::Simd;
 
 /// One to four primitives that follow each other, in 31 bits.
@@ -52,13 +53,19 @@ pub(super) const BLOCK: usize = 9 * IN_LEAF;
 
 impl<C: Coordinate> Triangles<C> {
     /// Items `order[first]`, `order[first + 1]`, … in each leaf.
-    pub(super) fn new(leaves: &[Leaf], order: &[u32], triangle: impl Fn(u32) -> (u32, [[f64; 3]; 3])) -> Self {
-        let mut corners = Vec::with_capacity(9 * order.len() + BLOCK);
-        for leaf in leaves {
-            let items: Vec<_> = order[leaf.first()..leaf.first() + leaf.count()].iter().map(|&i| triangle(i).1).collect();
-            for k in 0..9 {
-                corners.extend(items.iter().map(|item| C::from_f64(item[k / 3][k % 3])));
+    pub(super) fn new(leaves: &[Leaf], order: &[u32], triangle: impl Fn(u32) -> (u32, [[f64; 3]; 3]) + Send + Sync) -> Self {
+        // coordinate k of item i of a leaf of n comes to k·n + i
+        let block = |leaf: &Leaf| {
+            let (n, mut block) = (leaf.count(), [C::from_f64(0.0); BLOCK]);
+            for (i, &item) in order[leaf.first()..leaf.first() + n].iter().enumerate() {
+                let corners = triangle(item).1;
+                (0..9).for_each(|k| block[k * n + i] = C::from_f64(corners[k / 3][k % 3]));
             }
+            block
+        };
+        let mut corners = Vec::with_capacity(9 * order.len() + BLOCK);
+        for (leaf, block) in leaves.iter().zip(parallel::map_short(leaves.len(), |i| block(&leaves[i]))) {
+            corners.extend_from_slice(&block[..9 * leaf.count()]);
         }
         // a leaf is read as if it was full
         corners.extend([C::from_f64(0.0); BLOCK]);

@@ -28,6 +28,7 @@ mod tree;
 mod triangle;
 
 use crate::error::Error;
+use crate::parallel;
 use crate::scene::vector;
 use fearless_simd::Simd;
 use lanes::{Machine, Task};
@@ -73,8 +74,7 @@ impl Geometry {
             total += shape.primitives();
         }
         let primitives = u32::try_from(total).ok().filter(|_| total <= Leaf::END).ok_or(Error::TooManyPrimitives { primitives: total })?;
-        let degenerate = shapes.iter().map(Shape::degenerate).sum();
-        let (triangles, spheres) = (kept(&shapes, &first), spheres(&shapes, &first));
+        let ((triangles, degenerate), spheres) = (kept(&shapes, &first), spheres(&shapes, &first));
         Ok(Geometry { shapes, first, primitives, degenerate, triangles, spheres, machine: Machine::detect() })
     }
 
@@ -144,25 +144,31 @@ impl Geometry {
     }
 }
 
-/// Primitives that are tried one by one rather than by a tree.
+/// Primitives that are tried one by one rather than by a tree. Rays a second without one over with one, primary, bounce, shadow, on random triangles and
+/// on rectangles: 4 of them 2.5, 2.0, 3.5 and 1.4, 1.3, 1.2; 8 of them 2.3, 2.1, 2.4 and 1.2, 0.8, 1.2; 16 of them 1.4, 0.8, 0.9 and 1.3, 0.8, 0.7.
 const PLAIN: usize = 8;
 
-fn kept(shapes: &[Shape], first: &[u32]) -> Kept {
-    let mut all = Vec::new();
+/// Triangles with an area, and how many have none.
+fn kept(shapes: &[Shape], first: &[u32]) -> (Kept, usize) {
+    let (mut all, mut degenerate) = (Vec::new(), 0);
     for (shape, &first) in shapes.iter().zip(first) {
         if let Shape::Mesh(mesh) = shape {
-            let solid = (0..mesh.triangles().len()).filter(|&k| mesh.normal(k).is_some());
-            all.extend(solid.map(|k| (first + k as u32, mesh.corners(k))));
+            let count = mesh.triangles().len();
+            let solid = |k: usize| mesh.normal(k).map(|_| (first + k as u32, mesh.corners(k)));
+            let before = all.len();
+            all.extend(parallel::map_short(count, solid).into_iter().flatten());
+            degenerate += count - (all.len() - before);
         }
     }
-    let bounds: Vec<_> = all.iter().map(|(_, corners)| build::around(corners.map(|p| [p, p]))).collect();
+    let bounds = parallel::map_short(all.len(), |i| build::around(all[i].1.map(|p| [p, p])));
     let of = |i: u32| all[i as usize];
     let single = all.iter().all(|(_, corners)| corners.iter().flatten().all(|&x| f64::from(x as f32) == x));
-    if single {
+    let kept = if single {
         Kept::Single(Forest::new(&bounds, PLAIN, |leaves, order| Triangles::new(leaves, order, of)))
     } else {
         Kept::Double(Forest::new(&bounds, PLAIN, |leaves, order| Triangles::new(leaves, order, of)))
-    }
+    };
+    (kept, degenerate)
 }
 
 fn spheres(shapes: &[Shape], first: &[u32]) -> Forest<Spheres> {

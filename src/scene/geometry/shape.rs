@@ -149,14 +149,6 @@ impl From<Sphere> for Shape {
 }
 
 impl Shape {
-    /// Triangles without area.
-    pub(super) fn degenerate(&self) -> usize {
-        match self {
-            Shape::Mesh(mesh) => (0..mesh.triangles.len()).filter(|&k| mesh.normal(k).is_none()).count(),
-            Shape::Sphere(_) => 0,
-        }
-    }
-
     /// How many primitives it is made of.
     pub fn primitives(&self) -> usize {
         match self {

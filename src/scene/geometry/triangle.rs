@@ -107,7 +107,7 @@ fn largest<S: Simd>(a: f64x4<S>, b: f64x4<S>, c: f64x4<S>) -> f64x4<S> {
 }
 
 /// A number that a corner can be kept in.
-pub(super) trait Coordinate: Copy + Into<f64> {
+pub(super) trait Coordinate: Copy + Into<f64> + Send + Sync {
     fn from_f64(x: f64) -> Self;
     fn load<S: Simd>(simd: S, block: &[Self; BLOCK], start: usize) -> f64x4<S>;
 }

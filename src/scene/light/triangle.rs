@@ -10,8 +10,6 @@
 //! Biomed. Eng. 30 (1983) 125.
 
 use crate::scene::frame::Vec3;
-use std::f64::consts::PI;
-
 /// A triangle ready to be sampled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TriangleLight {
@@ -62,7 +60,7 @@ impl TriangleLight {
         }
         let corners = self.corners_from(x);
         let solid = solid_angle(&corners);
-        let direction = spherical(&corners, [u, v])?;
+        let direction = spherical(&corners, solid, [u, v])?;
         let weights = self.meet(x, &direction)?;
         let y = self.corner + self.sides[0] * weights[0] + self.sides[1] * weights[1];
         // a triangle seen edge-on, or a point in its plane: rounding leaves no solid angle
@@ -106,16 +104,17 @@ fn solid_angle([a, b, c]: &[Vec3; 3]) -> f64 {
     2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
-/// A direction uniform in a spherical triangle; `None` if it has degenerated.
+/// A direction uniform in a spherical triangle of this Ω; `None` if it has degenerated.
 #[inline]
-fn spherical([a, b, c]: &[Vec3; 3], [u, v]: [f64; 2]) -> Option<Vec3> {
-    let [ab, bc, ca] = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n.normalize());
-    let angle = |m: &Vec3, n: &Vec3| m.cross(n).norm().atan2(-m.dot(n));
-    let (alpha, beta, gamma) = (angle(&ab, &ca), angle(&bc, &ab), angle(&ca, &bc));
-    // the area of the part that u cuts off, plus π
-    let area = u * (alpha + beta + gamma - PI);
-    let ((sine, cosine), (s, t)) = (alpha.sin_cos(), (area - alpha).sin_cos());
-    let (p, q) = (t - cosine, s + sine * a.dot(b));
+fn spherical([a, b, c]: &[Vec3; 3], solid: f64, [u, v]: [f64; 2]) -> Option<Vec3> {
+    let [ab, ca] = [a.cross(b), c.cross(a)].map(|n| n.normalize());
+    // of the angle α at a
+    let (sine, cosine) = (ab.cross(&ca).norm(), -ab.dot(&ca));
+    // u cuts off a triangle of area φ = uΩ: p = cos(φ − α) − cos α without its cancellation, s and t the sine and cosine of φ − α
+    let (half_sine, half_cosine) = (0.5 * u * solid).sin_cos();
+    let (rise, drop) = (2.0 * half_sine * half_cosine, 2.0 * half_sine * half_sine);
+    let (s, p) = (rise * cosine - (1.0 - drop) * sine, rise * sine - drop * cosine);
+    let (t, q) = (cosine + p, s + sine * a.dot(b));
     let numerator = (q * t - p * s) * cosine - q;
     let cos_cut = (numerator / ((q * s + p * t) * sine)).clamp(-1.0, 1.0);
     let cut = a * cos_cut + orthogonal(c, a) * (1.0 - cos_cut * cos_cut).sqrt();
@@ -135,6 +134,7 @@ fn orthogonal(v: &Vec3, w: &Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     /// The octant of the sphere has Ω = π/2, and uniform directions in it have the mean of the octant, ½ in each coordinate.
     #[test]
@@ -147,7 +147,7 @@ mod tests {
         let mut mean = Vec3::zeros();
         for i in 0..N * N {
             let uv = [(i % N) as f64 + 0.5, (i / N) as f64 + 0.5].map(|c| c / N as f64);
-            mean += spherical(&corners, uv).unwrap() / (N * N) as f64;
+            mean += spherical(&corners, PI / 2.0, uv).unwrap() / (N * N) as f64;
             let (w, weight) = t.sample(&x, uv).unwrap();
             let y = t.corner + t.sides[0] * w[0] + t.sides[1] * w[1];
             assert!((weight * t.pdf(&x, &y) - 1.0).abs() < 1e-12);

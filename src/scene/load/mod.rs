@@ -2,10 +2,13 @@
 //!
 //! | file | read | reported, not used |
 //! |---|---|---|
-//! | glTF 2.0, `.gltf`, `.glb` | meshes, nodes, perspective cameras, metallic-roughness materials with textures and alpha masks, emissive strength, specular, index of refraction, transmission, punctual lights | skins, morph targets, animations, normal maps, occlusion, blended alpha, other extensions |
+//! | glTF 2.0, `.gltf`, `.glb` | meshes, nodes, perspective cameras, metallic-roughness materials with textures and alpha masks, emissive strength, specular, index of refraction, transmission, punctual lights | skins, morph targets, animations, normal maps, occlusion, blended alpha, emission of backs, ranges of lights, other extensions |
 //! | Wavefront `.obj` with `.mtl` | triangles and polygons, normals, texture coordinates, `Kd`, `Ke`, `Ks`, `Ns`, `Ni`, `d`, `map_Kd` | illumination models, other maps |
 //!
 //! What a file uses and this crate does not is in the [`Report`], by name and number.
+//!
+//! A mesh that several nodes share is copied for each of them: 160 to 260 bytes a triangle in all (its corners, 36 bytes in single precision or 72, its
+//! share of the tree, its normal, rounding error and material), and 64 more if it has normals or texture coordinates.
 
 mod accessor;
 mod gltf_file;

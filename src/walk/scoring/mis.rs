@@ -11,7 +11,7 @@
 //! Wins whenever neither technique is good everywhere: the balance heuristic is never worse than the better one by more than a bounded amount
 //! (theory (4.4.7)). Reference: Veach, Guibas, *Optimally combining sampling techniques for Monte Carlo rendering*, SIGGRAPH 1995.
 
-use super::next_event::{connect, unstated};
+use super::next_event::{along, unstated};
 use super::{Arrival, Scoring, Visit, evaluated, scored};
 use crate::equation::Equation;
 use crate::error::Error;
@@ -169,9 +169,10 @@ where
         observer: &mut O,
     ) {
         let Some(event) = equation.source().sample_for(&visit.point, u) else { return };
-        let pi = visit.survival * equation.kernel().pdf(&visit.point, &event.point);
-        let share = self.0.share(1.0 / event.weight, pi, Technique::First);
-        *score += connect(equation, visit, &event.point, share * event.weight, observer);
+        let (k, pdf) = equation.kernel().eval_and_pdf(&visit.point, &event.point);
+        observer.kernel(&visit.point, &event.point, &k);
+        let share = self.0.share(1.0 / event.weight, visit.survival * pdf, Technique::First);
+        *score += along(equation, visit, (&event.point, k), share * event.weight, observer);
     }
 
     fn validate<E: Ending<K>>(&self, _: &Equation<G, K>, _: &E) -> Result<(), Error> {
