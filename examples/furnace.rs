@@ -28,7 +28,8 @@ fn show(name: &str, pixel: &Estimate<Spectrum<3>>) {
     let Some(width) = pixel.half_width(0.95).map(|w| w[0] / 2.0) else { return println!("{name:24} no interval") };
     let deviation = pixel.value[0] / 2.0 - 1.0;
     println!("{name:24} {:.6}   off by {deviation:+.1e}, interval ± {width:.1e}   {:.1} s", pixel.value[0], pixel.elapsed.as_secs_f64());
-    assert!(pixel.agrees_with(Spectrum([2.0; 3]), 6.0), "{name}: {pixel} is not 2");
+    // a fixed depth has no noise, and the rounding of its sum
+    assert!(pixel.agrees_with(Spectrum([2.0; 3]), 6.0) || deviation.abs() < 1e-12, "{name}: {pixel} is not 2");
 }
 
 fn main() -> Result<(), Error> {
@@ -43,7 +44,7 @@ fn main() -> Result<(), Error> {
         (Walk::collision().roulette(roulette).samples_per_cell(samples), Walk::mis().roulette(roulette).samples_per_cell(samples));
     let next_event = Walk::next_event().roulette(roulette).samples_per_cell(samples);
     let (strata, pairs) = (LatinHypercube::new((samples / 16).max(1))?, Bidirectional::new().samples_per_cell(samples));
-    let forward = Forward::new().walks(samples);
+    let forward = Forward::new().walks(16 * samples);
     println!("exact                    2");
     type Any<'a> =
         &'a dyn Method<fredholm::scene::Emission, fredholm::scene::LightTransport, Film, Solution = Image<Estimate<Spectrum<3>>>>;
@@ -51,7 +52,7 @@ fn main() -> Result<(), Error> {
         ("collision", &all, &hit as Any),
         ("collision, Sobol'", &all, &hit.sequence(Sobol::new(1))),
         ("constant roulette", &all, &hit.roulette(Roulette::constant(0.9))),
-        ("fixed depth", &all, &hit.depth(24)),
+        ("fixed depth", &all, &hit.depth(64)),
         ("next event", &all, &next_event),
         ("next event, Sobol'", &all, &next_event.sequence(Sobol::new(2))),
         ("balance", &all, &mis),

@@ -258,6 +258,17 @@ pub enum Error {
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
         ratio: f64,
     },
+    /// A singularity at y = x so strong that points told apart by floating-point numbers miss a part of it: walks would be biased by that.
+    #[error(
+        "{share:.1e} of ∫|K(x, y)| dy at x = {x} lies closer to y = x than floating-point numbers can tell apart: walks would miss it; \
+         use a deterministic method (`Nystrom`)"
+    )]
+    BelowRounding {
+        /// The point.
+        x: String,
+        /// Estimated share of the row that no step can reach.
+        share: f64,
+    },
     /// Randomised truncation of a sequence whose differences do not fall fast enough for it.
     #[error(
         "debiasing has no finite {series}: its terms have slope {slope:.3} in {variable}, which must be below {limit}; \

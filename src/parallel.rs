@@ -6,6 +6,10 @@ use std::sync::{Mutex, PoisonError};
 
 /// `f(0), …, f(count − 1)`, in order, on all cores if the feature `parallel` is on. Floating-point sums happen elsewhere, serially.
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    // one task wakes no thread
+    if count <= 1 {
+        return (0..count).map(f).collect();
+    }
     let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
     each(count, &|i| {
         let found = Some(f(i));
@@ -27,6 +31,23 @@ pub(crate) fn map_short<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + S
         .into_iter()
         .for_each(|mut run| all.append(&mut run));
     all
+}
+
+/// `f()` on one of the threads that [`map`] and [`chunks`] use: many calls of those, each short, wake no thread from outside.
+pub(crate) fn within<R: Send>(f: impl FnOnce() -> R + Send) -> R {
+    let (mut f, mut found) = (Some(f), None);
+    run(&mut || found = f.take().map(|f| f()));
+    found.expect("the task has run")
+}
+
+#[cfg(feature = "parallel")]
+fn run(task: &mut (dyn FnMut() + Send)) {
+    rayon::scope(|_| task());
+}
+
+#[cfg(not(feature = "parallel"))]
+fn run(task: &mut (dyn FnMut() + Send)) {
+    task();
 }
 
 /// Calls `f` with 0, …, count − 1, each once, in any order.

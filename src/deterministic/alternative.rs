@@ -76,7 +76,11 @@ where
         }
         Error::Singular { rcond, unknowns, alternative: None } => match alternative(equation).ok().flatten() {
             Some((found, norm)) if norm > LARGE && (found.smallest > NULL || found.smallest <= LOST * norm) => Error::FirstKind { norm },
-            found => Error::Singular { rcond, unknowns, alternative: found.map(|(found, _)| Box::new(found)) },
+            // no null function: the system was singular, of values too different in size
+            found => {
+                let alternative = found.map(|(found, _)| found).filter(|found| found.smallest <= NULL).map(Box::new);
+                Error::Singular { rcond, unknowns, alternative }
+            }
         },
         other => other,
     }

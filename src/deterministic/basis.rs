@@ -24,8 +24,9 @@ impl Basis {
     pub(crate) fn gauss(order: usize) -> Self {
         let rule = unit_rule(order);
         // discrete orthogonality: products of two P_n are integrated exactly
-        let coefficient = |n: usize, u: &Node<f64>| (2 * n + 1) as f64 * u.weight * legendre(n, 2.0 * u.point - 1.0);
-        let coefficients = rule.iter().flat_map(|u| (0..order).map(move |n| coefficient(n, u))).collect();
+        let coefficient = |u: &Node<f64>, (n, p): (usize, f64)| (2 * n + 1) as f64 * u.weight * p;
+        let of_node = |u: &Node<f64>| legendre(order, 2.0 * u.point - 1.0).into_iter().enumerate().map(|p| coefficient(u, p)).collect();
+        let coefficients = rule.iter().map(of_node).collect::<Vec<Vec<f64>>>().concat();
         let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let scale = rule.iter().enumerate().map(|(k, n)| sign(k) * (n.point * (1.0 - n.point) * n.weight).sqrt()).collect();
         Basis::new(rule, scale, coefficients)
@@ -107,14 +108,15 @@ impl Basis {
     }
 }
 
-/// P_n(x) by its three-term recurrence.
-fn legendre(n: usize, x: f64) -> f64 {
+/// P_0(x), …, P_{count − 1}(x) by their three-term recurrence.
+fn legendre(count: usize, x: f64) -> Vec<f64> {
     let (mut before, mut now) = (0.0, 1.0);
-    for k in 0..n {
-        let k = k as f64;
+    let next = |k: usize| {
+        let (k, p) = (k as f64, now);
         (before, now) = (now, ((2.0 * k + 1.0) * x * now - k * before) / (k + 1.0));
-    }
-    now
+        p
+    };
+    (0..count).map(next).collect()
 }
 
 #[cfg(test)]

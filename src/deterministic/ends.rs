@@ -16,7 +16,7 @@ use crate::source::Source;
 use crate::value::{Value, Weight};
 
 /// Differences that fall less than to this are those of a singularity: r ln r comes to ½ slowly.
-const SINGULAR: f64 = 0.505;
+pub(super) const SINGULAR: f64 = 0.505;
 /// Those of a logarithm stay as they are, those of d^{−β} grow.
 const UNBOUNDED: f64 = 0.98;
 /// ∫ d^{−½} below this distance is nothing.
@@ -145,6 +145,15 @@ pub(super) struct Tail {
     pub(super) power: f64,
     /// ∫ |K| there
     pub(super) mass: f64,
+}
+
+impl Tail {
+    /// The error of n nodes over what m < n nodes change, at least 1: both leave n^{−2q} of |y|^{−1−q}, q < 1, towards infinity, and half as much again
+    /// where few nodes are not there yet.
+    pub(super) fn alike(self, m: usize, n: usize) -> f64 {
+        const EARLY: f64 = 1.5;
+        1.0f64.max(EARLY / ((n as f64 / m as f64).powf(2.0 * (self.power - 1.0)) - 1.0))
+    }
 }
 
 /// The heaviest tail of K(x, ·), where it is no smooth function of the coordinate: powers below 2.

@@ -4,7 +4,9 @@
 //! is a jump, and of a continuous function nothing is left. Second differences that stand out are followed in the same way to kinks. Jumps closer together than 1/512 of the domain, or small beside the slope around them, are not
 //! found here; then panels are halved towards them, or the solve is refused.
 
+use super::ends::SINGULAR;
 use super::near::components;
+use super::side::growth;
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::kernel::{HasDomain, Kernel, Operator};
@@ -24,6 +26,9 @@ const LEVELS: usize = 8;
 const ROUNDING: f64 = 1e-13;
 /// Places around a kink that do not know of it.
 const BESIDE: usize = 3;
+/// Distances at which rows tell what they are at a place: so far from it, and halved so often.
+const NEAR: f64 = 1.0 / 64.0;
+const HALVINGS: i32 = 26;
 /// Found from two places x, a jump is one of y alone.
 const SAME: f64 = 1e-9;
 
@@ -47,11 +52,6 @@ where
 {
     let (kernel, domain, c) = (equation.kernel(), equation.kernel().domain(), components::<K>());
     let place = |state: usize, t: f64| domain.place(state, || t).point;
-    let shared = |lists: &[Vec<f64>; 3]| {
-        let is_in = |t: f64, list: &Vec<f64>| list.iter().any(|u| (t - u).abs() < SAME);
-        let twice = |t: &f64| lists.iter().filter(|l| is_in(*t, l)).count() >= 2;
-        lists.iter().flatten().copied().filter(twice).collect::<Vec<_>>()
-    };
     let mut found: Vec<f64> = rows.iter().flat_map(shared).collect();
     for state in 0..domain.states() {
         for e in 0..c {
@@ -65,6 +65,35 @@ where
     found.sort_by(f64::total_cmp);
     found.dedup_by(|a, b| (*a - *b).abs() < SAME);
     found
+}
+
+/// Coordinates u in the interior where K(x, ·) is singular, x wherever it is: panels that end there are not enough.
+pub(super) fn singular_columns<K: Kernel + HasDomain>(kernel: &K, rows: &[[Vec<f64>; 3]]) -> Vec<f64> {
+    let (domain, c) = (kernel.domain(), components::<K>());
+    let mut found: Vec<f64> = Vec::new();
+    for (i, lists) in rows.iter().enumerate() {
+        let (from, to, e) = (i / (c * c) / domain.states(), i / (c * c) % domain.states(), i % (c * c));
+        let x = domain.place(from, || OTHERS[1]).point;
+        let value = |u: f64| kernel.eval(&x, &domain.place(to, || u).point).entry(e / c, e % c);
+        let growth = |u: f64, side: f64| {
+            let values: Vec<f64> = (0..HALVINGS).map(|k| value(u + side * NEAR * 0.5f64.powi(k))).collect();
+            growth(&values, SMALLEST * values.iter().fold(0.0f64, |m, v| m.max(v.abs()))).map_or(0.0, |(growth, _)| growth)
+        };
+        for u in shared(lists) {
+            let new = found.iter().all(|f| (f - u).abs() >= SAME);
+            if new && u > NEAR && u < 1.0 - NEAR && growth(u, -1.0).max(growth(u, 1.0)) > SINGULAR {
+                found.push(u);
+            }
+        }
+    }
+    found
+}
+
+/// Those of two lists out of three.
+fn shared(lists: &[Vec<f64>; 3]) -> Vec<f64> {
+    let is_in = |t: f64, list: &Vec<f64>| list.iter().any(|u| (t - u).abs() < SAME);
+    let twice = |t: &f64| lists.iter().filter(|l| is_in(*t, l)).count() >= 2;
+    lists.iter().flatten().copied().filter(twice).collect()
 }
 
 /// Jumps, kinks and singularities of one function of the coordinate; not within three places of `diagonal`.

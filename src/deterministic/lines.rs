@@ -1,5 +1,5 @@
 //! Lines y = x + c and x + y = c away from the diagonal along which K jumps, has a kink or is singular, |x − y| < r: found from jumps of
-//! rows that move with x.
+//! rows that move with x. And y = c, where K(x, ·) is singular whatever x.
 //!
 //! Rows are integrated by pieces cut towards their crossing with a line as they are towards y = x; where a line meets an end of the domain, f may have a kink,
 //! and where it meets such a place a weaker one.
@@ -13,7 +13,7 @@ const SAME: f64 = 1e-9;
 const GENERATIONS: usize = 3;
 const MOST: usize = 24;
 
-/// u = offset + slope · t in coordinates, slope ±1.
+/// u = offset + slope · t in coordinates, slope ±1, or 0 of a [column](super::jumps::singular_columns) where rows are singular.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Line {
     slope: f64,
@@ -21,6 +21,11 @@ pub(crate) struct Line {
 }
 
 impl Line {
+    /// All rows at coordinate u.
+    pub(super) fn at(u: f64) -> Self {
+        Line { slope: 0.0, offset: u }
+    }
+
     /// Where the row at coordinate t crosses.
     pub(super) fn crossing(self, t: f64) -> Option<f64> {
         Some(self.offset + self.slope * t).filter(|u| *u > 0.0 && *u < 1.0)

@@ -19,6 +19,7 @@ use crate::domain::Domain;
 use crate::equation::{Equation, Everywhere, Method};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
+use crate::parallel;
 use crate::source::Source;
 use crate::value::Weight;
 
@@ -242,7 +243,7 @@ where
         let solved = match self.rule {
             Rule::Adaptive { tolerance, most } => {
                 equation.validate()?;
-                let found = adaptive::solve(&by_values(equation), self, tolerance, most);
+                let found = parallel::within(|| adaptive::solve(&by_values(equation), self, tolerance, most));
                 found.map(|f| f.of(equation.source().clone(), equation.kernel().clone()))
             }
             _ => equation.factorise(self).and_then(|factors| factors.solve(equation.source())),

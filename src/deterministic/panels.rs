@@ -23,6 +23,8 @@ const PROMISED: f64 = 3.0 * SHARE;
 const PATIENT: usize = 5;
 const IMPATIENT: usize = 2;
 const LARGE: usize = 1000;
+/// After so many of them all panels are cut.
+const ELSEWHERE: usize = 2;
 /// Most features between nodes around which panels are cut, and the least panel this may make, as a share of the feature.
 const FEATURES: usize = 8;
 const SLIVER: f64 = 0.05;
@@ -53,7 +55,7 @@ where
             if rounding(&fine) > ILL_CONDITIONED * self.allowed(&fine) {
                 fine = fine.refined()?;
             }
-            let verdict = self.verified(&coarse, &fine)?;
+            let mut verdict = self.verified(&coarse, &fine)?;
             if verdict.error <= self.allowed(&fine) {
                 // panels resolve f to a share of the tolerance: nothing below is promised, however close two solves come
                 let promised = verdict.error.max(PROMISED * self.allowed(&fine));
@@ -64,6 +66,10 @@ where
             let hopeless = stalled > if fine.unknowns() > LARGE { IMPATIENT } else { PATIENT };
             if hopeless || (verdict.doubtful.is_empty() && verdict.error > STAGNANT * last) {
                 return Ok(None);
+            }
+            // an error shows where f has it, and may come from elsewhere
+            if stalled >= ELSEWHERE && verdict.features.is_empty() {
+                verdict.doubtful.clear();
             }
             best = best.min(verdict.error);
             last = verdict.error;

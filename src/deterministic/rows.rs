@@ -10,6 +10,9 @@ use crate::kernel::{HasDomain, Kernel};
 use crate::parallel;
 use crate::value::Weight;
 
+/// Matrices up to this size are done before a thread is awake.
+const SMALL: usize = 32;
+
 /// Entries of a row at `count` nodes from `first` on, by the values of K there.
 type Far<'a> = &'a dyn Fn(usize, usize, &mut [f64]) -> Result<(), Error>;
 
@@ -128,8 +131,12 @@ impl<X: Point> Grid<X> {
         let width = self.nodes.len() * c;
         check_size(width as f64)?;
         let mut matrix = vec![0.0; width * width];
-        let counts = parallel::chunks(&mut matrix, c * width, |i, row| self.row(kernel, &self.nodes[i].point, row));
-        let evaluations = counts.into_iter().sum::<Result<_, _>>()?;
+        let row = |i: usize, row: &mut [f64]| self.row(kernel, &self.nodes[i].point, row);
+        let evaluations = if width <= SMALL {
+            matrix.chunks_mut(c * width).enumerate().map(|(i, values)| row(i, values)).sum::<Result<_, _>>()?
+        } else {
+            parallel::chunks(&mut matrix, c * width, row).into_iter().sum::<Result<_, _>>()?
+        };
         Ok((matrix, evaluations))
     }
 }

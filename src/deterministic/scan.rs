@@ -1,8 +1,8 @@
 //! Places that no rule has as nodes, at which functions are compared with the polynomials through their values at the nodes.
 //!
-//! On a line: one place in each of 3072 cells, and in each part of a cell that ends of panels or double-exponential nodes cut off. Towards infinity, where such
-//! cells are wide, one in each cell of twice the map's scale as far out as 2^14 scales, and 32 in every octave up to 2^20: a bump of width w at x is seen there if
-//! w > x/32.
+//! On a line: one place in each of 3072 cells, the outermost halved 20 times towards finite ends, and in each part of a cell that ends of panels or
+//! double-exponential nodes cut off. Towards infinity, where such cells are wide, one in each cell of twice the map's scale as far out as 2^14 scales, and 32 in
+//! every octave up to 2^20: a bump of width w at x is seen there if w > x/32.
 //!
 //! A function of one variable is looked at in all places. Of K(x, ·), for many x, each row has some of them only, in turn: those of all rows together make a
 //! lattice in the plane without gaps (x_i, {i φ}), φ the golden ratio.
@@ -14,6 +14,8 @@ use crate::sampling::{Pcg, Sampler, Sequence};
 
 /// Cells of a line.
 const SCANNED: usize = 3072;
+/// The outermost are halved so often towards an end: boundary layers.
+const TOWARDS_END: i32 = 20;
 /// Towards infinity: length of a cell in units of the map's scale, how far, and cells of an octave everywhere.
 const CELL: f64 = 2.0;
 const FAR: f64 = (1u64 << 28) as f64;
@@ -25,6 +27,16 @@ const MORE_OF_A_ROW: usize = 512;
 /// Stencils made by one task.
 const BATCH: usize = 256;
 const GOLDEN: f64 = 0.618_033_988_749_895;
+
+/// Width of a cell, as a share of a coordinate.
+pub(super) fn resolution(dimension: usize) -> f64 {
+    1.0 / side(dimension) as f64
+}
+
+/// Cells along a coordinate.
+fn side(dimension: usize) -> usize {
+    [SCANNED, 64, 16, 8].get(dimension - 1).copied().unwrap_or(4)
+}
 
 /// The largest of numbers that are not negative; NaN counts as infinite, where `f64::max` would drop it.
 #[derive(Default)]
@@ -132,6 +144,10 @@ fn along_line<D: Domain>(domain: &D, grid: &Grid<D::Point>) -> Vec<Node<D::Point
     if !domain.volume().is_finite() {
         cuts = cuts.windows(2).flat_map(|ends| cells_towards_infinity(domain, (ends[0], ends[1]))).chain([1.0]).collect();
     }
+    let towards_end = |end: f64| (1..=TOWARDS_END).map(move |k| (end - 0.5f64.powi(k) / SCANNED as f64).abs());
+    // where K(x, ·) is unbounded its values are those of rounded distances
+    let bounded = |end: &f64| !grid.is_double_exponential() && !grid.ends().unbounded[*end as usize];
+    cuts.extend([0.0, 1.0].into_iter().filter(at_finite_end).filter(bounded).flat_map(towards_end));
     cuts.extend(grid.cuts().into_iter().filter(at_finite_end));
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
@@ -168,7 +184,7 @@ fn cells_towards_infinity<D: Domain>(domain: &D, (a, b): (f64, f64)) -> Vec<f64>
 /// A jittered lattice in more dimensions.
 fn in_boxes<D: Domain>(domain: &D) -> Vec<Node<D::Point>> {
     let d = domain.dimension();
-    let side: usize = [SCANNED, 64, 16, 8].get(d - 1).copied().unwrap_or(4);
+    let side = side(d);
     let count = side.pow(d as u32);
     let place = |state: usize, i: usize| {
         let (mut rest, mut u) = (i, Pcg::default().point(u64::MAX - 3, state as u32, i as u64));

@@ -184,7 +184,8 @@ fn line<X: Point>(
     for (i, k, _) in values.filter(|(_, _, far)| *far) {
         let Some((first, interpolant)) = scan.interpolant(i, at_nodes) else { continue };
         let here = (k - interpolant).abs();
-        if !(here <= levels[first / block]) {
+        let level = if levels.len() == 1 { levels[0] } else { levels[first / block] };
+        if !(here <= level) {
             gap.see(gap.0 + stand_for(i) * here);
             if !(stand_for(i) * here <= largest) {
                 (largest, at) = (stand_for(i) * here, i);

@@ -5,8 +5,8 @@
 //! 3. What f and the rows of K are at thousands of places beside the polynomials through their values at the nodes, times ‖(I − T)⁻¹‖: a jump or a peak
 //!    between nodes.
 //!
-//! What is narrower than the lattice of places can still hide: 1/3072 of a line away from the diagonal, 1/64 of the side of a square, 1/16 of a cube's, and
-//! of K on a line what covers less than about 1/5000 of the square. No finite number of values excludes it.
+//! What is narrower than the lattice of places can still hide: 1/3072 of a line away from the diagonal and its ends, 1/64 of the side of a square, 1/16 of a
+//! cube's, and of K on a line what covers less than about 1/5000 of the square. No finite number of values excludes it.
 
 use super::grid::Grid;
 use super::scan::Largest;

@@ -19,8 +19,10 @@
 
 mod adjoint;
 mod closure;
+mod coarse;
 mod difference;
 mod proposal;
+mod radius;
 mod series;
 mod step;
 mod tabulated;
@@ -29,8 +31,9 @@ pub use adjoint::{AdjointProposal, Both, HasAdjoint, Transposed};
 pub use closure::{KernelFn, kernel_fn};
 pub use difference::{DifferenceFn, Singularity, Split, SplitFn, difference_fn, split_fn};
 pub use proposal::{Proposal, Proposed, Uniform};
+pub(crate) use radius::gelfand;
+pub(crate) use series::series_of;
 pub use series::{Discretised, Radius, Series};
-pub(crate) use series::{gelfand, series_of};
 pub use step::{Density, Step};
 pub use tabulated::Tabulated;
 

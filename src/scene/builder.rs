@@ -184,6 +184,10 @@ impl SceneBuilder {
         let remote = directions.into_iter().map(|(d, e)| Remote::Direction(d, e));
         let remote = remote.chain(environment.is_some().then_some(Remote::Environment)).collect();
         let power: Vec<f64> = lights.iter().map(|(_, power)| *power).collect();
+        let total: f64 = power.iter().sum();
+        if !total.is_finite() {
+            return Err(Error::invalid("power of the lights", total, "must be finite"));
+        }
         let lights = Lights::new(lights, remote);
         let births = Births::new(&lights, &power, environment.as_ref(), ball(&shapes));
         let holes = materials.iter().any(|m| m.mask.is_some());
@@ -262,6 +266,10 @@ fn simplify(material: &mut Material) {
     // a matt dielectric without a coat is Lambert's law
     if let Law::MetallicRoughness { base, metallic: 0.0, coat: Rgb::ZERO, grazing: 0.0, .. } = material.law {
         material.law = Law::Fixed(Bsdf::Lambertian { albedo: base });
+    }
+    // facets between equals bend nothing: light goes straight on, which is no density
+    if let Law::Fixed(Bsdf::RoughDielectric { index: 1.0, tint, .. }) = material.law {
+        material.law = Law::Fixed(Bsdf::Dielectric { index: 1.0, tint });
     }
     if let Law::Fixed(Bsdf::Lambertian { albedo: Rgb::ZERO } | Bsdf::Mirror { reflectance: Rgb::ZERO }) = material.law {
         material.law = Law::Fixed(Bsdf::Black);

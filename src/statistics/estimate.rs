@@ -35,7 +35,7 @@ pub enum Verdict {
     Trustworthy,
     /// The interval may be too short: skewed scores, an unreliable variance, or too few samples.
     Doubtful,
-    /// No standard error is known: one sample, one replicate.
+    /// No standard error is known: one sample, one replicate, or walks none of which met anything of the kernel.
     Unmeasured,
     /// No score was different from zero: the value is unknown, not zero (rule of three: with 95 % confidence fewer than 3/N walks score).
     NothingScored,
@@ -48,7 +48,7 @@ impl fmt::Display for Verdict {
         f.pad(match self {
             Verdict::Trustworthy => "trustworthy",
             Verdict::Doubtful => "doubtful: the error itself is uncertain; take more samples",
-            Verdict::Unmeasured => "no standard error: one sample or one replicate tells none",
+            Verdict::Unmeasured => "no standard error: one sample or one replicate tells none, nor do walks that met nothing of the kernel",
             Verdict::NothingScored => "nothing scored: the value is unknown, not zero",
             Verdict::InfiniteVariance => "infinite variance suspected: do not use the error; change the proposal",
         })
@@ -63,7 +63,8 @@ impl fmt::Display for Verdict {
 pub struct Estimate<V = f64> {
     /// The estimate of f(x), or of the detector's functional.
     pub value: V,
-    /// Standard error per component; `None` if it cannot be known (one sample, one replicate).
+    /// Standard error per component; `None` if it cannot be known: one sample, one replicate, or scores that are all g at the start, where what the
+    /// kernel adds is not known to be nothing.
     pub std_error: Option<V>,
     /// Degrees of freedom of `std_error`.
     pub degrees_of_freedom: u64,
@@ -83,6 +84,9 @@ pub struct Estimate<V = f64> {
 
 /// Fewer scores show no tail ([`Tail::index`] needs 25 of the largest 5 %): what is not seen cannot be trusted.
 const JUDGED: u64 = 500;
+
+/// Scores of a smaller kurtosis have no tail that the variance could come from: 3 for normal ones, 9 for exponential ones, ∝ N where it is infinite.
+const LIGHT: f64 = 5.0;
 
 impl<V: Value> Estimate<V> {
     /// The estimate of component `i` alone, such as one energy group. Its tail is not known: tails are kept for the largest component.
@@ -112,6 +116,22 @@ impl<V: Value> Estimate<V> {
     /// Number of walks.
     pub fn samples(&self) -> u64 {
         self.moments.count
+    }
+
+    /// What fewer than this share of the walks meet is missed with a probability of more than 5 %, and no error tells of it: the rule of three, 3/N.
+    ///
+    /// ```
+    /// use fredholm::{Equation, Walk};
+    /// // a peak of mass 1 that no walk has met: f = 3, not 2
+    /// let g = |x: f64| 1.0 + (-((x - 0.3) / 1e-8).powi(2)).exp() / (1e-8 * std::f64::consts::PI.sqrt());
+    /// let eq = Equation::on_interval(0.0..=1.0, g, |_, _| 0.5);
+    /// let f = eq.at(0.5).solve(&Walk::collision())?;
+    /// assert!(f.agrees_with(2.0, 5.0) && f.resolution() > 1e-8);
+    /// assert!(format!("{f:#}").ends_with("trustworthy but for what fewer than 2e-4 of the walks meet"));
+    /// # Ok::<(), fredholm::Error>(())
+    /// ```
+    pub fn resolution(&self) -> f64 {
+        (3.0 / self.samples() as f64).min(1.0)
     }
 
     /// Sample variance of one walk's score.
@@ -168,6 +188,12 @@ impl<V: Value> Estimate<V> {
         (0..V::COMPONENTS).filter_map(|i| self.z_score_of(reference, i)).max_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
+    /// No error where walks that made steps all scored one number, and `is_source` says that it is what g scores at the start: nothing of K has been met.
+    pub(crate) fn unless(self, is_source: impl FnOnce(V) -> bool) -> Self {
+        let constant = self.steps > 0 && self.std_error.is_some() && self.moments.m2.magnitude() == 0.0;
+        if constant && is_source(self.value) { Estimate { std_error: None, ..self } } else { self }
+    }
+
     /// Whether powers of the scores are lost below the range of floating point: the fourth where they vary, the square of a rounding error where they do not.
     fn vanishes(&self) -> bool {
         let m = &self.moments;
@@ -192,7 +218,8 @@ impl<V: Value> Estimate<V> {
         if ![m.mean, m.m2, m.m3, m.m4].iter().all(V::all_finite) || self.vanishes() {
             return Verdict::Doubtful; // powers of the scores overflow or underflow: nothing is known about their spread
         }
-        match self.tail.as_ref().map(Tail::suspicion) {
+        // lumps of light scores look like anything to a tail that is fitted to them
+        match self.tail.as_ref().filter(|_| m.kurtosis().magnitude() > LIGHT).map(Tail::suspicion) {
             Some(Suspicion::Infinite) => return Verdict::InfiniteVariance,
             // the variance of the variance needs α > 4; it is trusted only where the tail does not speak against it
             Some(Suspicion::Possible) => return Verdict::Doubtful,
@@ -248,7 +275,13 @@ impl<V: Value> fmt::Display for Estimate<V> {
         if let Some(t) = self.truncation {
             write!(f, ", {t}")?;
         }
-        write!(f, ", {}", self.verdict())
+        let verdict = self.verdict();
+        write!(f, ", {verdict}")?;
+        if verdict == Verdict::Trustworthy {
+            let units = if self.steps == 0 { "samples" } else { "walks" };
+            write!(f, " but for what fewer than {:.0e} of the {units} meet", self.resolution())?;
+        }
+        Ok(())
     }
 }
 

@@ -17,7 +17,7 @@
 //! Reference: L'Ecuyer, Lécot, Tuffin, *A randomized quasi-Monte Carlo simulation method for Markov chains*, Oper. Res. 56 (2008) 958.
 
 use super::Walk;
-use super::backward::{Backward, start};
+use super::backward::{Backward, met_nothing, start};
 use super::driver::{Driver, End};
 use super::ending::{Ending, Roulette};
 use super::observer::Recorder;
@@ -261,14 +261,14 @@ where
         };
         let results = parallel::map(tasks, one).into_iter().collect::<Result<Vec<_>, Error>>()?;
         let elapsed = clock.elapsed();
-        let estimate = |cell: &[(Moments<G::Value>, Tail, Array<G::Value>)]| {
+        let estimate = |(i, cell): (usize, &[(Moments<G::Value>, Tail, Array<G::Value>)])| {
             let parts: Vec<_> = cell.iter().map(|c| c.0).collect();
             let Pooled { moments, std_error, degrees_of_freedom } = Pooled::randomised(&parts);
             let mut tail = Tail::default();
             tail.merge(cell.iter().map(|c| &c.1));
             let sum = |f: fn(&Array<G::Value>) -> u64| cell.iter().map(|c| f(&c.2)).sum::<u64>();
             let steps = sum(|a| a.steps);
-            Estimate {
+            let estimate = Estimate {
                 value: moments.mean,
                 std_error,
                 degrees_of_freedom,
@@ -278,8 +278,10 @@ where
                 evaluations: steps + C::EVALUATIONS * (steps + moments.count - sum(|a| a.cut)),
                 truncation: truncation.map(|t| Truncation { walks: sum(|a| a.truncated), ..t }),
                 elapsed,
-            }
+            };
+            let first = || self.walk.sequence.point(Self::step_cell(i, 0), 0, 0);
+            estimate.unless(|score| met_nothing(equation, detector, (i, first()), score))
         };
-        Ok(detector.answer(results.chunks(replicates as usize).map(estimate).collect()))
+        Ok(detector.answer(results.chunks(replicates as usize).enumerate().map(estimate).collect()))
     }
 }

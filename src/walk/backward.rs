@@ -5,7 +5,7 @@ use super::observer::Observer;
 use super::scoring::{Arrival, Scoring, Visit};
 use crate::detector::Detector;
 use crate::equation::Equation;
-use crate::kernel::Operator;
+use crate::kernel::{Operator, Series};
 use crate::sampling::{Purpose, Sampler};
 use crate::source::Source;
 use crate::value::{Value, Weight};
@@ -74,6 +74,30 @@ where
         *score = G::Value::from_components(|_| f64::NAN);
     }
 }
+
+/// Whether `score`, that of every walk, is what g alone scores at the start of one, and what T f adds is not known to drown in its rounding.
+pub(super) fn met_nothing<G, K, D, S>(equation: &Equation<G, K>, detector: &D, (cell, mut u): (usize, S), score: G::Value) -> bool
+where
+    G: Source,
+    K: Operator<Point = G::Point>,
+    K::Weight: Weight<Value = G::Value>,
+    D: Detector<Point = G::Point>,
+    S: Sampler,
+{
+    u.seek(0, Purpose::Start);
+    let start = detector.start(cell, &mut u);
+    let own = equation.source().eval(&start.point).scale(start.weight);
+    let series = equation.kernel().series();
+    // |⟨h, T f⟩| ≤ ∫|h| · sup |T f|
+    let bound = || {
+        let Ok(Series::Known(series)) = series else { return None };
+        Some(series.truncation_bound(0, |x| equation.source().eval(x))? * detector.norm()?)
+    };
+    (score - own).magnitude() <= ROUNDINGS * own.magnitude() && !bound().is_some_and(|b| b <= ROUNDINGS * own.magnitude())
+}
+
+/// Rounding of a mean of equal scores, relative.
+const ROUNDINGS: f64 = 4.0 * f64::EPSILON;
 
 /// A walk at its start.
 #[inline]

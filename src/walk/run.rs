@@ -1,6 +1,6 @@
 //! Many walks: cut into chunks by the problem, never by the thread; merged serially in index order.
 
-use super::backward::{Backward, start};
+use super::backward::{Backward, met_nothing, start};
 use super::checkpoint::{CELLS_WITH_TAILS, Cell, Checkpoint, Count};
 use super::driver::{Driver, End};
 use super::replay::replay;
@@ -185,14 +185,14 @@ where
     }
 
     pub(super) fn estimates(&self) -> Vec<Estimate<G::Value>> {
-        self.state.cells.iter().map(|cell| self.estimate(cell)).collect()
+        self.state.cells.iter().enumerate().map(|(i, cell)| self.estimate(i, cell)).collect()
     }
 
-    fn estimate(&self, cell: &Cell<G::Value>) -> Estimate<G::Value> {
-        let Pooled { moments, std_error, degrees_of_freedom } = Pooled::of(self.walk.sequence.replicates(), &cell.replicates);
+    fn estimate(&self, i: usize, cell: &Cell<G::Value>) -> Estimate<G::Value> {
         let Count { steps, cut, truncated, .. } = cell.own;
+        let Pooled { moments, std_error, degrees_of_freedom } = Pooled::of(self.walk.sequence.replicates(), &cell.replicates);
         let vertices = steps + moments.count - cut;
-        Estimate {
+        let estimate = Estimate {
             value: moments.mean,
             std_error,
             degrees_of_freedom,
@@ -202,7 +202,9 @@ where
             evaluations: steps + C::EVALUATIONS * vertices,
             truncation: self.truncation.map(|t| Truncation { walks: truncated, ..t }),
             elapsed: self.state.elapsed,
-        }
+        };
+        let first = || self.walk.sequence.point(i as u64, 0, 0);
+        estimate.unless(|score| met_nothing(self.equation, self.detector, (i, first()), score))
     }
 }
 

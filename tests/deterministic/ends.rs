@@ -34,6 +34,24 @@ fn kernels_singular_in_y() {
 }
 
 #[test]
+fn columns_singular_inside_are_found() {
+    let unit = Interval::from(0.0..=1.0);
+    let root = 1.0 / (1.0 - 0.2 * (0.35f64.sqrt() + 0.65f64.sqrt()));
+    holds("|y − 0.35|^−½", unit, &|_| 1.0, &|_, y| 0.1 * (y - 0.35).abs().powf(-0.5), 1e-9, &at_places(|_| root));
+    let log = 1.0 / (1.0 - 0.2 * (0.77 * 0.77f64.ln() + 0.23 * 0.23f64.ln() - 1.0));
+    holds("ln|y − 0.77|", unit, &|_| 1.0, &|_, y| 0.2 * (y - 0.77).abs().ln(), 1e-12, &at_places(|_| log));
+}
+
+#[test]
+fn slow_tails_err_by_no_more_than_is_said() {
+    let half = HalfLine::new(0.0);
+    for tolerance in [1e-4, 1e-6, 1e-8] {
+        let known = [0.0, 0.3, 5.0, 100.0].map(|x: f64| (x, 1.0 + (1.0 + x).powf(-0.1) * 0.4 / 0.9 / 0.6));
+        holds("y^−1.9", half, &|_| 1.0, &|x, y| 0.4 * (1.0 + x).powf(-0.1) * (1.0 + y).powf(-1.9), tolerance, &known);
+    }
+}
+
+#[test]
 fn solutions_singular_at_ends_take_few_unknowns() {
     // Okayama, Matsuo, Sugihara's second example (problems §3.4: 81 unknowns for 1.4e-14), and S7
     let root = |x: &f64| x.sqrt() * (1.0 - PI * PI / 9.0 * (PI * x / 2.0).powf(0.25));
@@ -49,6 +67,28 @@ fn solutions_singular_at_ends_take_few_unknowns() {
         for x in PLACES {
             assert!((solved.eval(x) - f(x)).abs() <= solved.error_estimate().unwrap().max(1e-15), "{name} at {x}: {solved}");
         }
+    }
+}
+
+#[test]
+fn layers_of_g_are_seen() {
+    let unit = Interval::from(0.0..=1.0);
+    let layer = |r: f64, w: f64| (-r / w).exp();
+    for w in [1e-4, 1e-5] {
+        let f = move |x: f64, r: f64| layer(r, w) + 2.0 / 3.0 * w * x;
+        let known = [0.0, w, 0.3, 1.0 - w, 1.0];
+        holds("lower end", unit, &|x| layer(*x, w), &|x, _| 0.5 * x, 1e-6, &known.map(|x| (x, f(x, x))));
+        holds("upper end", unit, &|x| layer(1.0 - x, w), &|x, _| 0.5 * x, 1e-6, &known.map(|x| (x, f(x, 1.0 - x))));
+    }
+}
+
+#[test]
+fn slow_tails_err_alike() {
+    // f = 1 + c e^{−x}; ∫ (1 + y)^{−1.8} e^{−y} = 0.43291719155463179
+    let c = 0.3 / 0.8 / (1.0 - 0.3 * 0.43291719155463179);
+    let known = [0.0, 1e-4, 0.3, 2.0].map(|x: f64| (x, 1.0 + c * (-x).exp()));
+    for tolerance in [1e-6, 1e-9] {
+        holds("(1 + y)^−1.8", HalfLine::new(0.0), &|_| 1.0, &|x, y| 0.3 * (1.0 + y).powf(-1.8) * (-x).exp(), tolerance, &known);
     }
 }
 

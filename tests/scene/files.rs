@@ -77,9 +77,15 @@ fn what_is_not_used_is_reported() {
     let text = text.replacen("\"doubleSided\"", "\"alphaMode\": \"BLEND\", \"normalTexture\": {\"index\": 0}, \"doubleSided\"", 1);
     let text = text.replacen("\"meshes\"", "\"images\": [{\"uri\": \"bumps.png\"}], \"textures\": [{\"source\": 0}], \"meshes\"", 1);
     let text = text.replacen("\"extensionsUsed\": [", "\"extensionsUsed\": [\"KHR_materials_sheen\", ", 1);
+    let text = text.replacen("\"doubleSided\": false", "\"doubleSided\": true", 1);
     let report = gltf(text.as_bytes(), ".").unwrap().report;
     let entries: Vec<_> = report.entries().collect();
-    let expected = [("blended alpha: the material is opaque", 1), ("extension KHR_materials_sheen", 1), ("normal map", 1)];
+    let expected = [
+        ("blended alpha: the material is opaque", 1),
+        ("emission of the back: the front alone emits", 1),
+        ("extension KHR_materials_sheen", 1),
+        ("normal map", 1),
+    ];
     assert_eq!(entries, expected);
 }
 
@@ -102,6 +108,8 @@ fn beams_and_masks_are_used() {
     let loaded = gltf(lit.as_bytes(), ".").unwrap();
     assert!(loaded.report.is_empty(), "{}", loaded.report);
     assert!(loaded.builder.build().unwrap().to_string().contains("5 lights near"));
+    let ranged = lit.replace("\"type\": \"spot\"", "\"type\": \"spot\", \"range\": 3.0");
+    assert_eq!(gltf(ranged.as_bytes(), ".").unwrap().report.to_string(), "range of a light: it has none (1×)");
     // left out where it is needed: found by mutation
     let refused = |text: String| gltf(text.as_bytes(), ".").unwrap_err().to_string();
     assert!(refused(lit.replace("\"spot\": {\"outerConeAngle\": 0.5}", "\"name\": \"x\"")).contains("light 0 is a spot without a beam"));
@@ -164,6 +172,11 @@ fn impossible_scenes_are_refused() {
     }
     let mut scene = Scene::builder();
     assert!(scene.point_light([0.0, f64::NAN, 0.0], [1.0; 3]).is_err());
+    // each is finite, their sum is not
+    let lamp = scene.material(Material::diffuse([0.0; 3]).emitting([f64::MAX; 3]));
+    scene.mesh(shapes::cuboid([0.0; 3], [1.0; 3]).unwrap(), lamp).unwrap();
+    assert!(problem(scene.build()).starts_with("invalid power of the lights = inf"));
+    let mut scene = Scene::builder();
     assert!(scene.directional_light([0.0; 3], [1.0; 3]).is_err());
 }
 
@@ -232,6 +245,21 @@ fn hostile_pictures_are_refused() {
         let message = with(&uri);
         assert!(message.contains(expected), "{uri}: {message}");
     }
+}
+
+/// Frosted glass of index 1 bends nothing: what is behind is seen through it, by all walks.
+#[test]
+fn glass_of_index_1_is_not_there() {
+    use fredholm::scene::Camera;
+    let mut scene = Scene::builder();
+    let wall = scene.material(Material::diffuse([0.5; 3]).emitting([1.0; 3]));
+    let nothing = scene.material(Material::frosted(1.0, 0.5));
+    scene.mesh(shapes::room([-1.0; 3], [1.0; 3]).unwrap(), wall).unwrap();
+    scene.sphere([0.0; 3], 0.5, nothing).unwrap();
+    let scene = scene.build().unwrap();
+    let film = scene.film(Camera::look_at([0.0, 0.1, 0.9], [0.0; 3]), 1, 1);
+    let image = scene.light_transport().seen_by(&film).solve(&Walk::mis().samples_per_cell(1 << 10)).unwrap();
+    assert!(image[(0, 0)].agrees_with(fredholm::Spectrum([2.0; 3]), 5.0), "{}", image[(0, 0)]);
 }
 
 /// Files with bytes changed, doubled or left out: an error or a scene, never a panic.

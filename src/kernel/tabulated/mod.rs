@@ -64,7 +64,8 @@ impl<D: Domain> Tabulated<D> {
     /// Tabulates |K| on `cells` × `cells` cells of the map's coordinate, for every pair of states; 6 `cells`² + 768 `cells` evaluations a pair.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a domain of more than one dimension, `cells` = 0 or an invalid domain; [`Error::NonFiniteKernel`] with the place.
+    /// [`Error::Invalid`] for a domain of more than one dimension, `cells` = 0 or an invalid domain; [`Error::NonFiniteKernel`] with the place;
+    /// [`Error::BelowRounding`] if more than 10⁻⁴ of ∫ |K(x, ·)| lies closer to y = x than floating-point numbers can tell, as from |x − y|^−¾ on.
     pub fn new<K>(kernel: &K, cells: usize) -> Result<Self, Error>
     where
         K: Kernel + HasDomain<Domain = D, Point = D::Point>,

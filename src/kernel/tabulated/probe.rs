@@ -1,8 +1,8 @@
 //! Measuring |K| for the rows of a table.
 
 use super::Row;
-use super::shell::{SHELLS, Shell, scale};
-use crate::domain::Domain;
+use super::shell::{OCTAVES, SHELLS, Shell, scale};
+use crate::domain::{Domain, Node};
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
 use crate::sampling::Table;
@@ -15,6 +15,10 @@ const SHELL_OFFSETS: [f64; 2] = [0.25, 0.75];
 
 /// R in cells.
 const REACH: f64 = 8.0;
+/// Most of a row that may lie below the spacing of floating-point numbers.
+const LOST: f64 = 1e-4;
+/// Octaves over which the decay of the mass towards y = x is measured.
+const SPAN: usize = 8;
 
 /// Measures one row.
 pub(super) struct Probe<'a, K> {
@@ -37,6 +41,11 @@ impl<K: Kernel + HasDomain> Probe<'_, K> {
             self.add(&at, 1.0 / X_OFFSETS.len() as f64, &mut weights)?;
         }
         let mass = weights.iter().sum();
+        let x = domain.place(self.state, || (self.cell as f64 + X_OFFSETS[0]) * h);
+        let lost = self.below_rounding(&x, reach, &weights[domain.states() * self.cells..]);
+        if lost > LOST * mass {
+            return Err(Error::BelowRounding { x: format!("{:?}", x.point), share: lost / mass });
+        }
         Ok(Row { table: Table::new(&weights), mass, reach })
     }
 
@@ -70,6 +79,30 @@ impl<K: Kernel + HasDomain> Probe<'_, K> {
             }
         }
         Ok(())
+    }
+
+    /// Mass between y = x and its neighbours among floating-point numbers: of |x − y|^{−α} octaves of the distance have masses that fall by q = 2^{α−1}
+    /// from one to the next, and all beyond octave n together q/(1 − q) of its own.
+    fn below_rounding(&self, x: &Node<K::Point>, reach: f64, shells: &[f64]) -> f64 {
+        let domain = self.kernel.domain();
+        let (t, reach) = (domain.coordinate(&x.point, 0), 1.0 / scale(x.weight, reach));
+        let of_side = |state: usize, right: bool| {
+            let told_apart = |octave: &usize| {
+                let distance = 0.5f64.powi(*octave as i32) * reach;
+                let s = if right { t + distance } else { t - distance };
+                !(0.0..=1.0).contains(&s) || domain.coordinate(&domain.place(state, || s).point, 0) != t
+            };
+            let last = (0..OCTAVES).take_while(told_apart).last().unwrap_or(0);
+            let mass = |octave: usize| Shell::octave(state, right, octave).map(|i| shells[i]).sum::<f64>();
+            let (outer, inner) = (mass(last.saturating_sub(2 * SPAN)), mass(last.saturating_sub(SPAN)));
+            let ratio = (inner / outer).powf(1.0 / SPAN as f64);
+            match ratio {
+                r if !(r > 0.0) || last < 2 * SPAN => 0.0,
+                r if r < 1.0 => inner * r.powi(SPAN as i32) * r / (1.0 - r),
+                _ => f64::INFINITY,
+            }
+        };
+        (0..domain.states()).flat_map(|state| [of_side(state, false), of_side(state, true)]).sum()
     }
 
     /// |K| at distance R to the left and to the right, or at the ends of the domain.

@@ -1,7 +1,7 @@
 //! Shells of distances around x, finer and finer towards it.
 
 /// Octaves [2^{−n−1}, 2^{−n}) of the distance, in units of R.
-const OCTAVES: usize = 48;
+pub(super) const OCTAVES: usize = 48;
 /// Octaves from the outermost on that are cut into quarters.
 const FINE: usize = 16;
 /// Parts of a fine octave.
@@ -43,6 +43,13 @@ impl Shell {
     #[inline]
     pub(super) fn of_index(i: usize) -> Self {
         Shell { state: i / (2 * SHELLS), right: (i / SHELLS) % 2 == 1, level: i % SHELLS }
+    }
+
+    /// Indices of the shells of an octave.
+    pub(super) fn octave(state: usize, right: bool, octave: usize) -> impl Iterator<Item = usize> {
+        let levels =
+            if octave < FINE { octave * PARTS..(octave + 1) * PARTS } else { FINE * (PARTS - 1) + octave..FINE * (PARTS - 1) + octave + 1 };
+        levels.map(move |level| Shell { state, right, level }.index())
     }
 
     /// Inner and outer distance, in units of R.

@@ -39,6 +39,7 @@ pub(super) fn parse(name: &str, bytes: &[u8], folder: &Path) -> Result<Loaded, E
         loaded.report.note(format!("extension {extension}"));
     }
     document.animations().for_each(|_| loaded.report.note("animation"));
+    document.scenes().skip(1).for_each(|_| loaded.report.note("scene beside the first or the default one"));
     let materials = Materials::load(name, &document, &buffers, folder, &mut loaded)?;
     let scene = document.default_scene().or_else(|| document.scenes().next()).ok_or_else(|| wrong(name, "the file has no scene"))?;
     let mut reader = Reader { name, buffers, materials, loaded, seen: vec![false; document.nodes().len()] };
@@ -185,6 +186,9 @@ impl Reader<'_> {
     fn light(&mut self, light: &gltf::khr_lights_punctual::Light, transform: &Matrix4<f64>) -> Result<(), Error> {
         let strength = light.color().map(|c| f64::from(c) * f64::from(light.intensity()));
         let column = |j: usize| -> [f64; 3] { std::array::from_fn(|i| transform[(i, j)]) };
+        if light.range().is_some() {
+            self.loaded.report.note("range of a light: it has none");
+        }
         match light.kind() {
             Kind::Point => self.loaded.builder.point_light(column(3), strength),
             Kind::Directional => self.loaded.builder.directional_light(column(2).map(|x| -x), strength),

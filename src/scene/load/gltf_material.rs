@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::scene::{Bsdf, Material, MaterialId, Rgb, SceneBuilder, Sides, Texture, Textures};
 use crate::value::{Value, Weight};
 use gltf::material::AlphaMode;
-use gltf::texture::WrappingMode;
+use gltf::texture::{MagFilter, WrappingMode};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -54,6 +54,7 @@ fn convert(m: &gltf::Material, pictures: &mut Pictures, report: &mut Report) -> 
         (m.normal_texture().is_some(), "normal map"),
         (m.occlusion_texture().is_some(), "occlusion map"),
         (m.alpha_mode() == AlphaMode::Blend, "blended alpha: the material is opaque"),
+        (m.double_sided() && m.emissive_factor() != [0.0; 3], "emission of the back: the front alone emits"),
     ] {
         if used {
             report.note(what);
@@ -140,6 +141,9 @@ impl Pictures<'_> {
         let sampler = texture.sampler();
         if sampler.wrap_s() != WrappingMode::Repeat || sampler.wrap_t() != WrappingMode::Repeat {
             report.note("texture that does not repeat");
+        }
+        if sampler.mag_filter() == Some(MagFilter::Nearest) {
+            report.note("texture that is not interpolated");
         }
         let image = texture.source();
         if let Some(known) = self.cache.get(&(image.index(), encoding)) {

@@ -2,7 +2,7 @@
 //!
 //! | file | read | reported, not used |
 //! |---|---|---|
-//! | glTF 2.0, `.gltf`, `.glb` | meshes, nodes, perspective cameras, metallic-roughness materials with textures and alpha masks, emissive strength, specular, index of refraction, transmission, punctual lights | skins, morph targets, animations, normal maps, occlusion, blended alpha, other extensions |
+//! | glTF 2.0, `.gltf`, `.glb` | meshes, nodes, perspective cameras, metallic-roughness materials with textures and alpha masks, emissive strength, specular, index of refraction, transmission, punctual lights | skins, morph targets, animations, normal maps, occlusion, blended alpha, emission of backs, ranges of lights, other extensions |
 //! | Wavefront `.obj` with `.mtl` | triangles and polygons, normals, texture coordinates, `Kd`, `Ke`, `Ks`, `Ns`, `Ni`, `d`, `map_Kd` | illumination models, other maps |
 //!
 //! What a file uses and this crate does not is in the [`Report`], by name and number.

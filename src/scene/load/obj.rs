@@ -60,7 +60,13 @@ fn convert(m: &tobj::Material, folder: &Path, loaded: &mut Loaded) -> Result<Mat
     for key in m.unknown_param.keys() {
         loaded.report.note(format!("material property {key}"));
     }
-    for (used, what) in [(&m.specular_texture, "map_Ks"), (&m.normal_texture, "normal map"), (&m.dissolve_texture, "map_d")] {
+    for (used, what) in [
+        (&m.ambient_texture, "map_Ka"),
+        (&m.specular_texture, "map_Ks"),
+        (&m.shininess_texture, "map_Ns"),
+        (&m.normal_texture, "normal map"),
+        (&m.dissolve_texture, "map_d"),
+    ] {
         if used.is_some() {
             loaded.report.note(what);
         }

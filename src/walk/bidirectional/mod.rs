@@ -36,6 +36,7 @@ pub(crate) use table::MOST_EDGES;
 pub use table::Strategy;
 pub use tally::SharedPairs;
 
+use super::backward::met_nothing;
 use super::{Ending, Heuristic, Roulette, Walk};
 use crate::equation::{Equation, Method, Query};
 use crate::error::Error;
@@ -299,7 +300,7 @@ where
             if let Some(pilot) = pairs.tuned.get(cell) {
                 (e.steps, e.evaluations) = (e.steps + pilot.steps, e.evaluations + pilot.evaluations);
             }
-            Ok(e)
+            Ok(e.unless(|score| met_nothing(equation, detector, (cell, self.sequence.point(cell as u64, 0, 0)), score)))
         };
         Ok(detector.answer((0..detector.cells()).map(cell).collect::<Result<_, Error>>()?))
     }

@@ -3,7 +3,7 @@
 #![allow(unreachable_pub, reason = "a module of the example `stress`")]
 
 use super::table::{Known, Row, Should, all_ways, known};
-use Should::{Answer, AnswerOrRefuse, Refuse, Undetectable};
+use Should::{Answer, AnswerOrRefuse, Blind, Refuse};
 use fredholm::Equation;
 use fredholm::deterministic::Nystrom;
 use fredholm::transport::Slab;
@@ -49,7 +49,7 @@ fn slabs(rows: &mut Vec<Row>) {
         rows.push(Row::new(input.clone(), "adaptive Nyström", Answer, move |_| {
             let slab = Slab::new(100.0).scattering(c);
             let f = Equation::new(slab.uniform(1.0), slab.clone()).solve(&Nystrom::adaptive().tolerance(1e-9))?;
-            Ok(super::Happened::Answered { value: f.try_eval(&x)?, claimed: f.error_estimate().unwrap_or(0.0), truth })
+            Ok(super::Happened::solved(f.try_eval(&x)?, truth, f.error_estimate(), f.resolution()))
         }));
         rows.push(Row::new(input, "own walk, collision", AnswerOrRefuse, move |s| {
             let slab = Slab::new(100.0).scattering(c);
@@ -96,9 +96,9 @@ fn peaks(rows: &mut Vec<Row>) {
     let w = 1e-8;
     // a Gaussian of mass ½ along the diagonal: f = 2 inside
     let ridge = known(move |x, y| 0.5 * (-((x - y) / w).powi(2)).exp() / (w * PI.sqrt()), |_| 1.0, (0.5, 2.0));
-    // no uniform point, of a step or of the source, hits the ridge: a prediction sees it, the scores cannot
+    // no uniform point, of a step or of the source, hits the ridge: a prediction sees it, the scores only that they met nothing
     let input = "K a ridge of width 1e−8 along the diagonal";
-    all_ways(rows, input, &ridge, 1e-9, [Answer, Undetectable, Undetectable]);
+    all_ways(rows, input, &ridge, 1e-9, [Answer, Refuse, Refuse]);
     let (table, predicted) = (ridge.clone(), ridge);
     rows.push(Row::new(input, "walks, uniform, predicted first", Refuse, move |s| predicted.predicted(s.walks)));
     rows.push(Row::new(input, "walks, guided, collision", Answer, move |s| table.collision(s.walks)));
@@ -109,9 +109,9 @@ fn peaks(rows: &mut Vec<Row>) {
         let declared = declared.clone();
         move |_| declared.adaptive(1e-9, &[0.3])
     }));
-    all_ways(rows, "g nothing but a peak of width 1e−8", &declared, 1e-9, [Undetectable, Refuse, Refuse]);
+    all_ways(rows, "g nothing but a peak of width 1e−8", &declared, 1e-9, [Blind(w), Refuse, Refuse]);
     let hidden = known(|_, _| 0.5, move |x| 1.0 + lamp(x), (0.5, 3.0));
-    all_ways(rows, "g = 1 + a peak of width 1e−8", &hidden, 1e-9, [Undetectable; 3]);
+    all_ways(rows, "g = 1 + a peak of width 1e−8", &hidden, 1e-9, [Blind(w); 3]);
 }
 
 fn singular(rows: &mut Vec<Row>) {

@@ -35,16 +35,16 @@ fn sums(rows: &mut Vec<Row>) {
         };
         let input = |what: &str| format!("{what} of 10⁹ scores {offset:e} + (k mod 7)");
         rows.push(Row::new(input("mean"), "moments", Answer, move |s| {
-            Ok(Happened::Answered { value: merged(s).mean, claimed: 4.0 * f64::EPSILON * offset.abs().max(1.0), truth: offset + 3.0 })
+            Ok(Happened::solved(merged(s).mean, offset + 3.0, Some(4.0 * f64::EPSILON * offset.abs().max(1.0)), None))
         }));
         // a rounding of the mean by ε|offset| a merge could leave a drift of its square: none may be seen
         rows.push(Row::new(input("variance"), "moments", Answer, move |s| {
             let all = merged(s);
-            Ok(Happened::Answered { value: all.m2 / all.count as f64, claimed: 1e-11 + f64::EPSILON * offset.abs(), truth: 4.0 })
+            Ok(Happened::solved(all.m2 / all.count as f64, 4.0, Some(1e-11 + f64::EPSILON * offset.abs()), None))
         }));
         rows.push(Row::new(input("fourth moment"), "moments", Answer, move |s| {
             let all = merged(s);
-            Ok(Happened::Answered { value: all.m4 / all.count as f64, claimed: 1e-9 + 1e2 * f64::EPSILON * offset.abs(), truth: 28.0 })
+            Ok(Happened::solved(all.m4 / all.count as f64, 28.0, Some(1e-9 + 1e2 * f64::EPSILON * offset.abs()), None))
         }));
     }
 }

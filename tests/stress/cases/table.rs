@@ -31,8 +31,8 @@ impl Scale {
 /// What a method made of an input.
 #[derive(Clone, Debug)]
 pub enum Happened {
-    /// An answer with the error it claims: |value − truth| may be at most `claimed`.
-    Answered { value: f64, claimed: f64, truth: f64 },
+    /// An answer with the error it claims: |value − truth| may be at most `claimed`, but for what is narrower than `blind`, as it says itself.
+    Answered { value: f64, claimed: f64, truth: f64, blind: f64 },
     /// An answer that says itself that it should not be trusted.
     Doubted { value: f64, truth: f64, verdict: Verdict },
     /// A named refusal.
@@ -48,15 +48,15 @@ pub enum Should {
     Refuse,
     /// Either.
     AnswerOrRefuse,
-    /// Nothing can be known: what hides between all values ever asked for is missed. Said in the documentation.
-    Undetectable,
+    /// An answer within its error, a refusal, or one that says that it is blind to what is so narrow: no finite number of values excludes it.
+    Blind(f64),
 }
 
 impl Happened {
     /// Whether it is what should happen.
     pub fn is_right(&self, should: Should) -> bool {
         let true_answer = match self {
-            Happened::Answered { value, claimed, truth } => (value - truth).abs() <= claimed + 8.0 * f64::EPSILON * truth.abs(),
+            Happened::Answered { value, claimed, truth, .. } => (value - truth).abs() <= claimed + 8.0 * f64::EPSILON * truth.abs(),
             _ => false,
         };
         let refusal = !matches!(self, Happened::Answered { .. });
@@ -64,28 +64,37 @@ impl Happened {
             Should::Answer => true_answer,
             Should::Refuse => refusal,
             Should::AnswerOrRefuse => true_answer || refusal,
-            Should::Undetectable => true,
+            Should::Blind(_) => true_answer || refusal || self.is_blind(should),
         }
     }
 
     /// From an estimate: an interval of seven standard errors, if the verdict is good.
     pub fn of(estimate: &Estimate, truth: f64) -> Happened {
         match (estimate.verdict(), estimate.std_error) {
-            (Verdict::Trustworthy, Some(se)) => Happened::Answered { value: estimate.value, claimed: 7.0 * se, truth },
+            (Verdict::Trustworthy, Some(se)) => {
+                Happened::Answered { value: estimate.value, claimed: 7.0 * se, truth, blind: estimate.resolution() }
+            }
             (verdict, _) => Happened::Doubted { value: estimate.value, truth, verdict },
         }
     }
 
-    /// A wrong answer that nobody can know to be wrong.
-    pub fn is_missed(&self, should: Should) -> bool {
-        matches!(should, Should::Undetectable) && !self.is_right(Should::AnswerOrRefuse)
+    /// A wrong answer that said what it is blind to.
+    pub fn is_blind(&self, should: Should) -> bool {
+        let (Happened::Answered { blind, .. }, Should::Blind(width)) = (self, should) else { return false };
+        width < *blind && !self.is_right(Should::AnswerOrRefuse)
+    }
+
+    /// From a solve that knows its error.
+    pub fn solved(value: f64, truth: f64, error: Option<f64>, resolution: Option<f64>) -> Happened {
+        Happened::Answered { value, claimed: error.unwrap_or(0.0), truth, blind: resolution.unwrap_or(0.0) }
     }
 
     /// In words and numbers.
     pub fn describe(&self) -> String {
         match self {
-            Happened::Answered { value, claimed, truth } => {
-                format!("{value:.9e} ± {claimed:.0e}, true error {:.0e}", (value - truth).abs())
+            Happened::Answered { value, claimed, truth, blind } => {
+                let said = if *blind > 0.0 { format!(" but for what is narrower than {blind:.0e}") } else { String::new() };
+                format!("{value:.9e} ± {claimed:.0e}{said}, true error {:.0e}", (value - truth).abs())
             }
             Happened::Doubted { value, truth, verdict } => format!("{value:.3e} (true {truth:.3e}): {verdict:?}"),
             Happened::Refused(e) => {
@@ -153,7 +162,7 @@ impl Known {
     pub fn adaptive(&self, tolerance: f64, breakpoints: &[f64]) -> Result<Happened, Error> {
         let f = equation!(self).solve(&Nystrom::adaptive().tolerance(tolerance).breakpoints(breakpoints))?;
         let (x, truth) = self.at;
-        Ok(Happened::Answered { value: f.try_eval(&x)?, claimed: f.error_estimate().unwrap_or(0.0), truth })
+        Ok(Happened::solved(f.try_eval(&x)?, truth, f.error_estimate(), f.resolution()))
     }
 
     /// Collision walks, uniform steps.
