@@ -13,6 +13,7 @@ use super::grid::Grid;
 use super::linear::Factor;
 use super::nystrom::Nystrom;
 use super::one_step::{Composed, OneStep, Predictable, Rows};
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -114,7 +115,7 @@ where
                 ));
             }
         }
-        predict(self, (scoring, ending), grid)
+        contained(|| predict(self, (scoring, ending), grid))
     }
 }
 
