@@ -1,7 +1,7 @@
 //! Lines, verdicts, sums and the CSV file.
 
 use crate::options::Options;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use fredholm::statistics::student_quantile;
 use std::io::Write;
 use std::path::Path;
 
@@ -76,7 +76,7 @@ impl Judge {
 
     /// Standard errors that chance allows.
     fn bound(&self, freedom: u64) -> f64 {
-        StudentsT::new(0.0, 1.0, freedom.max(1) as f64).map_or(f64::INFINITY, |t| -t.inverse_cdf(self.alpha / 2.0))
+        student_quantile(freedom.max(1), self.alpha / 2.0).map_or(f64::INFINITY, |t| -t)
     }
 
     /// |error| in units of what is allowed: above 1 is wrong.

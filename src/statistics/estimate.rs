@@ -1,9 +1,8 @@
 //! A value with an honest error.
 
 use super::tail::Suspicion;
-use super::{Moments, Tail};
+use super::{Moments, Tail, student_quantile};
 use crate::value::Value;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::fmt;
 use std::time::Duration;
 
@@ -148,7 +147,7 @@ impl<V: Value> Estimate<V> {
         if !(confidence > 0.0 && confidence < 1.0) || self.degrees_of_freedom == 0 || self.moments.nonzero == 0 {
             return None;
         }
-        let t = StudentsT::new(0.0, 1.0, self.degrees_of_freedom as f64).ok()?.inverse_cdf(0.5 + confidence / 2.0);
+        let t = student_quantile(self.degrees_of_freedom, 0.5 + confidence / 2.0)?;
         self.std_error.map(|s| s.scale(t))
     }
 

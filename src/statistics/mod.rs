@@ -7,6 +7,7 @@ mod profile;
 mod rate;
 mod replicates;
 mod stopping;
+mod student;
 mod study;
 mod tail;
 
@@ -17,5 +18,6 @@ pub use profile::{Bias, Profile};
 pub use rate::Rate;
 pub(crate) use replicates::Pooled;
 pub use stopping::{Progress, Target};
+pub use student::student_quantile;
 pub use study::{Coverage, Measured, Study, Sweep};
 pub use tail::Tail;
