@@ -293,6 +293,16 @@ fn a_constant_added_to_the_scores_hides_no_tail() {
     assert!(trusted[0] == 0 && trusted[1] < 30 && trusted[2] == 100, "{trusted:?}");
 }
 
+/// Weights 1.5ⁿ of walks of n steps: scores are tied, the tail index is 1.26, and no run may be trusted.
+#[test]
+fn tied_scores_hide_no_tail() {
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |_, _| 0.9);
+    for seed in 0..100 {
+        let e = eq.at(0.5).solve(&Walk::collision().roulette(Roulette::constant(0.6)).samples_per_cell(4096).seed(seed)).unwrap();
+        assert_ne!(e.verdict(), Verdict::Trustworthy, "seed {seed}: {e:#}");
+    }
+}
+
 #[test]
 fn student_intervals_have_the_textbook_widths() {
     for (walks, t) in [(2u64, 12.706_204_736), (3, 4.302_652_730), (11, 2.228_138_852), (31, 2.042_272_456)] {

@@ -13,6 +13,7 @@
 #[path = "../solve/any.rs"]
 #[allow(dead_code, reason = "planes are not studied")]
 mod any;
+mod boxes;
 mod curve;
 mod options;
 mod peers;
@@ -40,38 +41,50 @@ fn study(options: &Options) -> Result<Vec<Problem>, String> {
         let skipped = peers.read(path)?;
         println!("{}: {skipped} lines that are no measurements", path.display());
     }
-    let clock = Instant::now();
-    let mut problems = Vec::new();
+    let (clock, mut problems, mut unwritten) = (Instant::now(), Vec::new(), None);
+    // as they come: who breaks off has what was finished, and a full disk ends nothing
+    let mut done = |problem: Problem| {
+        println!("{:7.1} s  {}: {} methods", clock.elapsed().as_secs_f64(), problem.name, problem.curves.len());
+        problems.push(problem);
+        unwritten = write(options, &problems).err().or(unwritten.take());
+    };
     for case in problems::cases(&options.problems)? {
         let mut curves = walks::all(&case, options.effort);
         curves.extend(solves::all(&case, options.effort));
         curves.extend(peers.curves(case.peer, case.scale()));
-        println!("{:7.1} s  {}: {} methods", clock.elapsed().as_secs_f64(), case.name, curves.len());
-        problems.push(Problem { name: case.name, class: case.class, curves });
+        done(Problem { name: case.name, class: case.class, curves });
+    }
+    let wanted = |name: &&str| options.problems.is_empty() || options.problems.iter().any(|p| p == name);
+    for name in boxes::NAMES.into_iter().filter(wanted) {
+        done(boxes::problem(name, options.effort)?);
     }
     if options.scenes == Scenes::With {
-        problems.extend(scenes::all(options.effort)?);
-        println!("{:7.1} s  scenes", clock.elapsed().as_secs_f64());
+        for scene in scenes::all(options.effort) {
+            done(scene?);
+        }
     }
+    println!("\n{}", report::table(&problems));
+    if let Some(fault) = unwritten {
+        return Err(fault);
+    }
+    println!("wrote study.csv, study.md and plots to {}", options.out.display());
     Ok(problems)
 }
 
+/// All tables anew, and the pictures of the last problem.
 fn write(options: &Options, problems: &[Problem]) -> Result<(), String> {
     let folder = &options.out;
     let at = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
     std::fs::create_dir_all(folder).map_err(|e| at(&e))?;
     std::fs::write(folder.join("study.csv"), report::csv(problems)).map_err(|e| at(&e))?;
     std::fs::write(folder.join("study.md"), report::table(problems)).map_err(|e| at(&e))?;
-    problems.iter().try_for_each(|p| report::plots(p, folder)).map_err(|e| at(&e))
+    problems.last().map_or(Ok(()), |p| report::plots(p, folder)).map_err(|e| at(&e))
 }
 
 fn main() -> ExitCode {
     let run = || {
         let options = Options::parse(std::env::args().skip(1))?;
         let problems = study(&options)?;
-        write(&options, &problems)?;
-        println!("\n{}", report::table(&problems));
-        println!("wrote study.csv, study.md and plots to {}", options.out.display());
         match report::too_sure(&problems) {
             wrong if wrong.is_empty() => Ok(()),
             wrong => Err(format!("errors larger than reported:\n{}", wrong.join("\n"))),

@@ -2,6 +2,7 @@
 //! interpreter.
 
 use crate::any::AnyLine;
+use crate::boxes::NAMES;
 use fredholm::Equation;
 use fredholm::formula::{Problem, Stated, Statement, TextEquation};
 use fredholm::special::e1;
@@ -75,8 +76,9 @@ fn compiled() -> Vec<Row> {
 pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
     let rows = compiled();
     let wanted = |row: &Row| names.is_empty() || names.iter().any(|n| n == row.0);
-    if let Some(unknown) = names.iter().find(|n| !n.ends_with(".json") && !rows.iter().any(|r| r.0 == **n)) {
-        let all: Vec<_> = rows.iter().map(|r| r.0).collect();
+    if let Some(unknown) = names.iter().find(|n| !n.ends_with(".json") && !NAMES.contains(&n.as_str()) && !rows.iter().any(|r| r.0 == **n))
+    {
+        let all: Vec<_> = rows.iter().map(|r| r.0).chain(NAMES).collect();
         return Err(format!("unknown problem {unknown}: a file.json, or one of {}", all.join(" ")));
     }
     let mut cases = Vec::new();

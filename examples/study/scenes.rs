@@ -48,10 +48,9 @@ const SCENES: [(&str, &str, Option<&str>); 3] = [
     ("ajar_door", "ajar_door.npy", Some("ajar_door_se.npy")),
 ];
 
-/// All methods on all scenes.
-pub(crate) fn all(effort: Effort) -> Result<Vec<Problem>, String> {
-    let mut problems = Vec::new();
-    for (name, truth, deviation) in SCENES {
+/// All methods on all scenes, one after the other.
+pub(crate) fn all(effort: Effort) -> impl Iterator<Item = Result<Problem, String>> {
+    SCENES.into_iter().map(move |(name, truth, deviation)| {
         let truth = stored(truth)?;
         let noise = deviation.map(stored).transpose()?.map_or(0.0, |se| se.iter().map(|e| e * e).sum::<f64>() / se.len() as f64);
         let loaded = load(format!("tests/data/scenes/{name}.gltf")).map_err(|e| e.to_string())?;
@@ -71,9 +70,8 @@ pub(crate) fn all(effort: Effort) -> Result<Vec<Problem>, String> {
             }
             curve
         });
-        problems.push(Problem { name: name.into(), class: "scene".into(), curves: curves.collect() });
-    }
-    Ok(problems)
+        Ok(Problem { name: name.into(), class: "scene".into(), curves: curves.collect() })
+    })
 }
 
 /// The noise of the reference is taken off the mean square.

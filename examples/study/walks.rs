@@ -82,7 +82,7 @@ fn throughput() -> AnyEnding {
 }
 
 /// What the scoring rule evaluates at every vertex, as many as steps and starts.
-fn counted(mut f: Estimate, scoring: AnyScoring) -> Estimate {
+pub(crate) fn counted(mut f: Estimate, scoring: AnyScoring) -> Estimate {
     f.evaluations += scoring.evaluations() * (f.steps + f.samples());
     f
 }
@@ -108,10 +108,10 @@ pub(crate) fn all(case: &Case, effort: Effort) -> Vec<Curve> {
 }
 
 /// The spectral radius is known after the first walk: part of the set-up.
-fn first<G, K>(eq: &Equation<G, K>, x: f64) -> Result<(), Error>
+pub(crate) fn first<G, K>(eq: &Equation<G, K>, x: G::Point) -> Result<(), Error>
 where
-    G: Source<Point = f64, Value = f64>,
-    K: Transition + Operator<Point = f64, Weight = f64>,
+    G: Source<Value = f64>,
+    K: Transition + Operator<Point = G::Point, Weight = f64>,
 {
     eq.at(x).solve(&Walk::collision().samples_per_cell(1)).map(drop)
 }

@@ -85,6 +85,8 @@ pub struct Estimate<V = f64> {
 /// Fewer scores show no tail ([`Tail::index`] needs 25 of the largest 5 %): what is not seen cannot be trusted.
 const JUDGED: u64 = 500;
 
+/// Randomisations whose means Student's interval can be based on: of two, means of scores with jumps differ by little or nothing too often.
+const REPLICATES: u64 = 4;
 /// Scores of a smaller kurtosis have no tail that the variance could come from: 3 for normal ones, 9 for exponential ones, ∝ N where it is infinite.
 const LIGHT: f64 = 5.0;
 
@@ -224,6 +226,9 @@ impl<V: Value> Estimate<V> {
             // the variance of the variance needs α > 4; it is trusted only where the tail does not speak against it
             Some(Suspicion::Possible) => return Verdict::Doubtful,
             Some(Suspicion::None) | None => {}
+        }
+        if self.degrees_of_freedom < REPLICATES - 1 {
+            return Verdict::Doubtful; // the means of so few randomisations need not be normal
         }
         let skew = self.moments.skewness().magnitude() / n.sqrt();
         if self.samples() < JUDGED || self.moments.variance_of_variance().magnitude() > 0.1 || skew > 0.3 {

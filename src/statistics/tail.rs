@@ -76,7 +76,11 @@ impl Tail {
     /// From the k = min(256, 2√M, M/20) largest of the M scores different from zero: zeros are no tail. `None` if k < 25, or if half of
     /// these scores are equal to a neighbour: counts and scores piled up at a bound have no tail that the estimate could see.
     pub fn index(&self) -> Option<(f64, f64)> {
-        let k = self.judged()?;
+        self.judged().and_then(|k| self.hill(k))
+    }
+
+    /// From the k largest.
+    fn hill(&self, k: usize) -> Option<(f64, f64)> {
         let reference = self.largest[k].ln();
         let mean = self.largest[..k].iter().map(|y| y.ln() - reference).sum::<f64>() / k as f64;
         (mean > 0.0).then(|| (1.0 / mean, 1.0 / mean / (k as f64).sqrt()))
@@ -109,9 +113,11 @@ impl Tail {
         if index.is_some_and(|(a, e)| a + 2.0 * e < 2.0) || shape.is_some_and(|(xi, e)| xi - 2.0 * e > 0.5) {
             return Suspicion::Infinite;
         }
+        // weights rⁿ of walks of n steps are tied, and may yet have no variance: no index to be stated, but one to be doubted
+        let lumps = if index.is_none() { self.large().and_then(|k| self.hill(k)) } else { None };
         // of few excesses ξ is too uncertain to be held against the scores, unless it is itself too large
         let most = |(xi, e): (f64, f64)| if self.judged() >= Some(FITTED) { xi + e } else { xi };
-        if index.is_some_and(|(a, e)| a - e < 2.0) || shape.is_some_and(|s| most(s) > 0.5) {
+        if index.or(lumps).is_some_and(|(a, e)| a - e < 2.0) || shape.is_some_and(|s| most(s) > 0.5) {
             return Suspicion::Possible;
         }
         Suspicion::None
@@ -119,13 +125,16 @@ impl Tail {
 
     /// How many of the largest scores are tail; `None` if too few, or tied.
     fn judged(&self) -> Option<usize> {
-        let wanted = (2.0 * (self.count as f64).sqrt()).min(self.count as f64 / 20.0) as usize;
-        let k = wanted.min(self.largest.len().saturating_sub(1));
-        if k < 25 {
-            return None;
-        }
+        let k = self.large()?;
         let ties = self.largest[..=k].windows(2).filter(|pair| pair[0] == pair[1]).count();
         (2 * ties < k).then_some(k)
+    }
+
+    /// How many of the largest scores are tail, tied or not.
+    fn large(&self) -> Option<usize> {
+        let wanted = (2.0 * (self.count as f64).sqrt()).min(self.count as f64 / 20.0) as usize;
+        let k = wanted.min(self.largest.len().saturating_sub(1));
+        (k >= 25).then_some(k)
     }
 }
 

@@ -106,7 +106,7 @@ impl<G, K, D: Detector> Query<'_, G, K, D> {
     /// # Errors
     /// Whatever can be refused before the first walk.
     pub fn rounds<M: Progressive<G, K, D>>(&self, method: &M) -> Result<Rounds<M::Run<'_>>, Error> {
-        Ok(Rounds { run: method.begin(self.equation(), self.detector())?, failed: false })
+        Ok(Rounds { run: contained(|| method.begin(self.equation(), self.detector()))?, failed: false })
     }
 }
 
@@ -136,16 +136,13 @@ impl<R: InProgress> Iterator for Rounds<R> {
         }
         let round = self.run.state().round;
         let target = self.run.first().checked_shl(round as u32).unwrap_or(budget).min(budget);
-        if let Err(error) = contained(|| self.run.advance(target.max(done + 1))) {
-            self.failed = true;
-            return Some(Err(error));
-        }
-        self.run.state_mut().round = round + 1;
-        Some(Ok(Round {
-            number: round + 1,
-            samples: self.run.done(),
-            fraction: (self.run.done() as f64 / budget as f64).min(1.0),
-            estimates: self.run.answer(),
-        }))
+        let advanced = contained(|| {
+            self.run.advance(target.max(done + 1))?;
+            self.run.state_mut().round = round + 1;
+            Ok(self.run.answer())
+        });
+        let (samples, fraction) = (self.run.done(), (self.run.done() as f64 / budget as f64).min(1.0));
+        self.failed = advanced.is_err();
+        Some(advanced.map(|estimates| Round { number: round + 1, samples, fraction, estimates }))
     }
 }

@@ -129,6 +129,25 @@ fn panics_of_the_user_are_contained() {
     assert!(query.solve(&Walk::collision().samples_per_cell(4096)).unwrap().agrees_with(1.15, 6.0));
 }
 
+/// Wherever a function of the user's is first called: before the first round, in a table, in a search for eigenvalues.
+#[test]
+fn panics_before_the_first_walk_are_contained() {
+    use fredholm::deterministic::{Nystrom, eigenpairs};
+    use fredholm::kernel::Tabulated;
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, y: f64| if x > 0.9 { panic!("no K at x = {x}") } else { x * y });
+    let kernel = eq.kernel().kernel();
+    let query = eq.at(0.5);
+    let faults = [
+        query.rounds(&Walk::collision()).map(drop).unwrap_err(),
+        Tabulated::new(kernel, 16).map(drop).unwrap_err(),
+        eigenpairs(kernel, &Nystrom::gauss_legendre(16), 1).map(drop).unwrap_err(),
+        query.solve(&Walk::collision()).map(drop).unwrap_err(),
+    ];
+    for fault in faults {
+        assert!(matches!(&fault, Error::Panicked { message } if message.contains("no K at x = 0.9")), "{fault}");
+    }
+}
+
 /// A full disk, a name that cannot be: an error with the path; what was on the disk before stays, and so does the answer.
 #[cfg(all(feature = "plot", target_os = "linux"))]
 #[test]

@@ -22,6 +22,7 @@ pub use pairs::{Eigenpair, eigenpairs};
 
 use super::grid::Grid;
 use super::nystrom::{Nystrom, Rule};
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, gelfand};
@@ -43,7 +44,7 @@ use nalgebra::Complex;
 /// # Errors
 /// Those of assembling the matrix; [`Error::NotConverged`] if the QR iteration does not end.
 pub fn eigenvalues<K: Kernel + HasDomain>(kernel: &K, settings: &Nystrom) -> Result<Vec<Complex<f64>>, Error> {
-    let matrix = matrix_of(kernel, settings)?;
+    let matrix = contained(|| matrix_of(kernel, settings))?;
     matrix.eigenvalues().ok_or_else(|| matrix.unended())
 }
 
@@ -64,7 +65,7 @@ pub fn spectral_radius<K: Kernel + HasDomain + Clone>(kernel: &K, settings: &Nys
     if let Rule::Adaptive { .. } = settings.rule {
         return Ok(eigenpairs(kernel, settings, 1)?.first().map_or(0.0, |pair| pair.value().norm()));
     }
-    let matrix = matrix_of(kernel, settings)?;
+    let matrix = contained(|| matrix_of(kernel, settings))?;
     let largest = matrix.eigenvalues().and_then(|e| e.first().map(|l| l.norm()));
     Ok(largest.unwrap_or_else(|| gelfand(matrix.embedded())))
 }

@@ -3,6 +3,7 @@
 use super::matrix::{Matrix, Shifted, Vector, apply_row, fields};
 use super::residuals::residuals;
 use super::{search, validated};
+use crate::contained::contained;
 use crate::deterministic::grid::Grid;
 use crate::deterministic::near::components;
 use crate::deterministic::nystrom::{Nystrom, Rule};
@@ -71,10 +72,10 @@ pub fn eigenpairs<K: Kernel + HasDomain + Clone>(kernel: &K, settings: &Nystrom,
     if count == 0 {
         return Err(Error::invalid("count", 0.0, "must be at least 1"));
     }
-    match settings.rule {
+    contained(|| match settings.rule {
         Rule::Adaptive { tolerance, most } => search::adaptive(kernel, settings, tolerance, most, count),
         _ => on_grid(kernel, settings.grid(kernel.domain())?, count),
-    }
+    })
 }
 
 /// Pairs by one rule.

@@ -18,6 +18,7 @@ mod probe;
 mod shell;
 
 use super::{HasDomain, Kernel, Proposal, Proposed, RowMass};
+use crate::contained::contained;
 use crate::domain::{Domain, Node};
 use crate::error::Error;
 use crate::sampling::{Sampler, Table};
@@ -79,10 +80,10 @@ impl<D: Domain> Tabulated<D> {
             return Err(Error::invalid("dimension", domain.dimension() as f64, "tabulated proposals need a one-dimensional domain"));
         }
         let groups = domain.states();
-        let rows = crate::parallel::map(groups * cells, |i| Probe { kernel, cells, state: i / cells, cell: i % cells }.row());
+        let row = |i: usize| Probe { kernel, cells, state: i / cells, cell: i % cells }.row();
         Ok(Tabulated {
             domain: domain.clone(),
-            rows: rows.into_iter().collect::<Result<_, _>>()?,
+            rows: contained(|| crate::parallel::map(groups * cells, row).into_iter().collect())?,
             cells,
             groups,
             guidance: Guidance::Kernel,

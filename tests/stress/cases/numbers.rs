@@ -95,6 +95,12 @@ fn tails(rows: &mut Vec<Row>) {
             Ok(Happened::of(&integral.solve(&Secondary::plain().samples(JUDGED))?, mass))
         }));
     }
+    // Wₙ = (0.9/P)ⁿ with probability Pⁿ: tail index ln P/ln(P/0.9), and all scores of walks of n steps are the same
+    for survival in [0.6, 0.8] {
+        let problem = known(|_, _| 0.9, |_| 1.0, (0.5, 10.0));
+        let input = format!("K = 0.9, survival {survival}: weights {:.3}ⁿ without a variance", 0.9 / survival);
+        rows.push(Row::new(input, "constant roulette", Refuse, move |s| problem.constant(survival, s.walks)));
+    }
     let rare = |s: super::Scale| {
         let lamp = source_fn(Interval::from(0.0..=1.0), |x: &f64| f64::from(*x < 1e-9) * 1e9);
         let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |_, _| 0.5).with_source(lamp);
