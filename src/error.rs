@@ -230,8 +230,10 @@ pub enum Error {
         /// Size of the linear system.
         unknowns: usize,
     },
-    /// T is so large that f is lost in the rounding of T f.
-    #[error("to working precision this is an equation of the first kind: ‖T‖ = {norm:.1e}, and f is lost in the rounding of T f")]
+    /// T is so large that f is lost in the rounding of T f, as in an equation of the first kind; of the second kind T may be, if it is far from normal.
+    #[error(
+        "‖T‖ = {norm:.1e}: f is lost in the rounding of T f, and to working precision the equation is one of the first kind, unless T is far from normal (where K(x, y) w(x)/w(y) is small for some weight w, solve for w f)"
+    )]
     FirstKind {
         /// ‖T‖ in L², on the nodes.
         norm: f64,
@@ -256,6 +258,14 @@ pub enum Error {
         /// The point.
         x: String,
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
+        ratio: f64,
+    },
+    /// g has no integral: a singularity like 1/|x − c|, or stronger.
+    #[error("the source is not integrable at {at}: its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
+    SourceNotIntegrable {
+        /// The point.
+        at: String,
+        /// That factor; 1/2 for a bounded source, 1 for 1/|x − c|.
         ratio: f64,
     },
     /// A singularity at y = x so strong that points told apart by floating-point numbers miss a part of it: walks would be biased by that.

@@ -16,6 +16,7 @@ use super::class::{Diagonal, classified};
 use super::ends::{Ends, Tail, is_periodic, tail};
 use super::factorised::Factorised;
 use super::grid::Grid;
+use super::integrable;
 use super::jumps::{along_rows, jumps, singular_columns};
 use super::lines::{Line, kinks, lines};
 use super::nystrom::Nystrom;
@@ -83,6 +84,7 @@ where
     search.lines = lines(equation.kernel().domain(), &rows);
     search.lines.extend(singular_columns(equation.kernel(), &rows).into_iter().map(Line::at));
     let segments = joined(segments, jumps(equation, &rows));
+    integrable::source(equation, &segments)?;
     let kinks = kinks(&search.lines, &segments);
     let segments = joined(segments, kinks);
     let diagonal = settings.declared.unwrap_or(class.diagonal);
@@ -166,16 +168,15 @@ where
     }
 
     pub(super) fn attempt(&mut self, grid: Grid<K::Point>) -> Result<NystromSolution<G, K>, Error> {
+        self.largest = self.largest.max(grid.nodes.len() * G::Value::COMPONENTS);
         let f = Factorised::on_grid(self.equation.kernel(), grid)?.solve(self.equation.source())?;
         self.evaluations += f.evaluations();
         Ok(f)
     }
 
-    /// Whether the limit of unknowns allows that many nodes; they count as tried.
-    pub(super) fn affordable(&mut self, nodes: f64) -> bool {
-        let unknowns = nodes * self.domain().states() as f64 * G::Value::COMPONENTS as f64;
-        self.largest = self.largest.max(unknowns as usize);
-        unknowns <= self.most as f64
+    /// Whether the limit of unknowns allows that many nodes in each state.
+    pub(super) fn affordable(&self, nodes: f64) -> bool {
+        nodes * self.domain().states() as f64 * G::Value::COMPONENTS as f64 <= self.most as f64
     }
 
     pub(super) fn allowed(&self, f: &NystromSolution<G, K>) -> f64 {

@@ -159,12 +159,15 @@ impl<K: Kernel + HasDomain> Values<'_, K> {
     /// The worse of the two sides of one place, or what their limits make together.
     fn diagonal(&self, t: f64, states: (usize, usize), e: usize) -> Result<Diagonal, Error> {
         let (left, right) = (self.side(t, -1.0, states, e)?, self.side(t, 1.0, states, e)?);
-        let (Side::Limit { value: a, slope: s, half: h }, Side::Limit { value: b, slope: r, half: l }) = (&left, &right) else {
+        let (Side::Limit { value: a, slope: s, half: h, largest: m }, Side::Limit { value: b, slope: r, half: l, largest: n }) =
+            (&left, &right)
+        else {
             let worse = |side: &Side| if let Side::Singular(d) = side { *d } else { Diagonal::Smooth };
             return Ok(if worse(&left) > worse(&right) { worse(&left) } else { worse(&right) });
         };
         let size = a.abs().max(b.abs());
-        Ok(if (a - b).abs() > 1e-6 * size {
+        // where K is 0 on the diagonal, the innermost values are what is left of its slope
+        Ok(if (a - b).abs() > 1e-6 * size && (a - b).abs() > NOISE * m.max(*n) {
             Diagonal::Jump
         } else if (s + r).abs() > 1e-3 * (s.abs() + r.abs()) && (s + r).abs() > 1e-6 * size {
             Diagonal::Kink

@@ -119,7 +119,7 @@ impl Ends {
 }
 
 /// Whether functions may be singular at coordinate `end`: not at infinity, nor where they continue periodically.
-fn is_end<D: Domain>(domain: &D, end: f64) -> bool {
+pub(super) fn is_end<D: Domain>(domain: &D, end: f64) -> bool {
     domain.dimension() == 1 && !domain.is_periodic(0) && domain.place(0, || end).weight.is_finite()
 }
 

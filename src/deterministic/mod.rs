@@ -31,6 +31,7 @@ mod galerkin;
 mod grid;
 mod independent;
 mod innermost;
+mod integrable;
 mod jumps;
 mod krylov;
 pub(crate) mod linear;

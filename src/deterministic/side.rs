@@ -23,21 +23,22 @@ pub(super) fn cross_rank(mut matrix: DMatrix<f64>) -> Option<usize> {
 
 /// K towards the diagonal from one side.
 pub(super) enum Side {
-    /// A limit, the slope against the distance, and the distance at which half of the limit is left (1 if nowhere).
+    /// A limit, the slope against the distance, the distance at which half of the limit is left (1 if nowhere), and the largest |K| on the way.
     Limit {
         value: f64,
         slope: f64,
         half: f64,
+        largest: f64,
     },
     Singular(Diagonal),
 }
 
 impl Side {
     pub(super) fn of(distances: &[f64], values: &[f64]) -> Self {
-        let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let value = values.last().copied().unwrap_or(0.0);
-        let Some((growth, first)) = growth(values, NOISE * size) else {
-            return Side::Limit { value, slope: 0.0, half: half(distances, values) };
+        let Some((growth, first)) = growth(values, NOISE * largest) else {
+            return Side::Limit { value, slope: 0.0, half: half(distances, values), largest };
         };
         let step = values[first + 4] - values[first + 3];
         let exponent = growth.log2();
@@ -48,7 +49,7 @@ impl Side {
             g if (g - 1.0).abs() < 0.02 => Side::Singular(Diagonal::Logarithmic),
             // r ln r comes close to ½ slowly
             g if g > 0.57 => Side::Singular(Diagonal::Algebraic { exponent }),
-            _ => Side::Limit { value, slope, half: half(distances, values) },
+            _ => Side::Limit { value, slope, half: half(distances, values), largest },
         }
     }
 }

@@ -17,6 +17,7 @@ fn diagonals() {
     assert_eq!(of(|x, y| (-(x - y).abs()).exp()).diagonal, Diagonal::Kink);
     assert_eq!(of(f64::min).diagonal, Diagonal::Kink);
     assert_eq!(of(|x, y| f64::from(x > y)).diagonal, Diagonal::Jump);
+    assert_eq!(of(|x, y| 1e-3 * f64::from(x > y) + y.cos()).diagonal, Diagonal::Jump);
     assert_eq!(of(|x, y| (2.0 + x) * (x - y).abs().ln() + y).diagonal, Diagonal::Logarithmic);
     assert_eq!(of(|x, y| 0.5 * e1((x - y).abs())).diagonal, Diagonal::Logarithmic);
     for alpha in [0.25, 0.5, 0.9, -0.5] {
@@ -33,6 +34,17 @@ fn diagonals() {
         assert!(found > 0.2 * width && found < 1.2 * width, "{width}: {found}");
     }
     assert!(matches!(of(|x, y| 1.0 / (x - y).abs()).diagonal, Diagonal::NotIntegrable { exponent } if (exponent - 1.0).abs() < 0.01));
+}
+
+/// What is left of a slope next to the diagonal is no jump, however small K is there.
+#[test]
+fn zero_on_the_diagonal() {
+    assert_eq!(of(|x, y| (x - y).abs()).diagonal, Diagonal::Kink);
+    assert_eq!(of(|x, y| (x - y).abs() + 1e-3 * (x - y)).diagonal, Diagonal::Kink);
+    assert_eq!(of(|x, y| 0.3 * (x - y)).diagonal, Diagonal::Smooth);
+    assert_eq!(of(|x, y| (x - y).sin()).diagonal, Diagonal::Smooth);
+    assert_eq!(of(|x, y| (x - y) * (x - y)).diagonal, Diagonal::Smooth);
+    assert_eq!(of(|x, y| (x - y).signum() * (x - y).powi(2).max(1e-3)).diagonal, Diagonal::Jump);
 }
 
 #[test]

@@ -132,6 +132,23 @@ fn refused<D: Domain<Point = f64>>(domain: D, g: Source<'_>, k: Kernel<'_>, tole
 }
 
 #[test]
+fn sources_without_an_integral_are_named() {
+    let poles: [(f64, Source<'_>); 4] =
+        [(0.3, &|x| 1.0 / (x - 0.3)), (0.3, &|x| 1.0 + 1e-3 / (x - 0.3).abs().powf(1.5)), (0.0, &|x| 1.0 / x), (1.0, &|x| 1.0 / (1.0 - x))];
+    for (place, g) in poles {
+        let e = refused(Interval::from(0.0..=1.0), g, &|_, _| 0.5, 1e-8);
+        let Error::SourceNotIntegrable { at, ratio } = &e else { panic!("{e}") };
+        assert!((at.parse::<f64>().unwrap() - place).abs() < 1e-9 && *ratio > 0.99, "{e}");
+    }
+    let e = refused(HalfLine::new(0.0), &|x| (-x).exp() / x, &|x, y| 0.5 * (-x - y).exp(), 1e-8);
+    assert!(matches!(e, Error::SourceNotIntegrable { .. }), "{e}");
+    // a peak is none: f = g + ½ ∫ g/(1 − ½)
+    let peak = |x: &f64| 1e-6 / (1e-6 * 1e-6 + (x - 0.3).powi(2));
+    let known = at_places(|x| peak(&x) + (0.3e6f64.atan() + 0.7e6f64.atan()));
+    holds("peak", Interval::from(0.0..=1.0), &peak, &|_, _| 0.5, 1e-9, &known);
+}
+
+#[test]
 fn refusals_say_why() {
     let unit = Interval::from(0.0..=1.0);
     // 1 is in the spectrum, and f = g = 0 does not show it
@@ -146,6 +163,9 @@ fn refusals_say_why() {
     assert!(matches!(e, Error::IllConditioned { condition, .. } if condition > 1e8), "{e}");
     let e = refused(unit, &|_| 1.0, &|x, y| 1e150 * x * y, 1e-8);
     assert!(matches!(e, Error::FirstKind { norm } if norm > 1e149), "{e}");
+    // ‖T‖ is large because T is far from normal: its only eigenvalue but 0 is 1e-3
+    let e = refused(unit, &|_| 1.0, &|x, y| 1e-3 * (30.0 * (x - y)).exp(), 1e-8);
+    assert!(matches!(e, Error::FirstKind { norm } if norm > 1e6) && e.to_string().contains("unless T is far from normal"), "{e}");
     let e = refused(unit, &|_| 1.0, &|_, y| 0.1 / y, 1e-8);
     assert!(matches!(e, Error::NotIntegrableAtEnd { .. }), "{e}");
     let e = refused(HalfLine::new(0.0), &|x| (-x).exp(), &|x, y| 0.5 * e1((x - y).abs()), 1e-8);

@@ -36,7 +36,7 @@ const SLOW: f64 = 3.0;
 /// det(I − zT) for one z: 0 iff 1/z is an eigenvalue of T.
 ///
 /// A fixed plain rule is compared with one of three quarters of its nodes; [`Nystrom::adaptive`] doubles a Gauss rule until the change is below its
-/// tolerance.
+/// tolerance. What lies between the nodes of both is not looked for, as it is for eigenpairs: a column of K narrower than their spacing goes unseen.
 ///
 /// ```
 /// use fredholm::{deterministic::{Nystrom, determinant}, domain::Interval, kernel::kernel_fn};
