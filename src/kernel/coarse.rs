@@ -180,3 +180,13 @@ fn graded_mass<K: Kernel + HasDomain>(kernel: &K, x: &K::Point, state: usize, or
     }
     Ok(exact)
 }
+
+/// Whether K(x, ·) is zero at 2¹² places of every state and on the way towards y = x, in one dimension.
+pub(crate) fn vanishes<K: Kernel + HasDomain>(kernel: &K, x: &K::Point) -> bool {
+    const PLACES: usize = 1 << 12;
+    let domain = kernel.domain();
+    let zero = |y: &K::Point| kernel.eval(x, y).norm() == 0.0;
+    let place = |state, i| domain.place(state, || (i as f64 + 0.5) / PLACES as f64).point;
+    let near = |state| graded_mass(kernel, x, state, MASS_ORDERS[0]).is_ok_and(|mass| mass.iter().all(|m| *m == 0.0));
+    domain.dimension() == 1 && (0..domain.states()).all(|state| near(state) && (0..PLACES).all(|i| zero(&place(state, i))))
+}

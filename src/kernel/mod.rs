@@ -64,6 +64,12 @@ pub trait Operator: Send + Sync {
     fn series(&self) -> Result<Series<Self::Point>, Error> {
         Ok(Series::Unknown)
     }
+
+    /// Whether K(x, ·) is zero wherever it was looked at, as at the start of a Volterra equation: f(x) = g(x) then. `false` where that is not known.
+    fn vanishes_at(&self, x: &Self::Point) -> bool {
+        let _ = x;
+        false
+    }
 }
 
 /// A kernel that can be evaluated: K(x, y) with respect to the reference measure.
@@ -173,6 +179,9 @@ impl<T: Operator + ?Sized> Operator for &T {
     }
     fn series(&self) -> Result<Series<Self::Point>, Error> {
         (**self).series()
+    }
+    fn vanishes_at(&self, x: &Self::Point) -> bool {
+        (**self).vanishes_at(x)
     }
 }
 

@@ -3,6 +3,7 @@
 //! The step draws y ~ p(x, ·) and carries the weight K(x, y)/p(x, y). Condition (S) of theory §4.1: p(x, y) > 0 wherever
 //! K(x, y) (Σ|T|ⁿ|g|)(y) ≠ 0; [`check::transition`](crate::check) looks for violations.
 
+use super::coarse::vanishes;
 use super::series::series_of;
 use super::{Absorbing, HasDomain, Kernel, Operator, Series, Split, Step, Transition, TransitionPdf};
 use crate::domain::{Domain, Node, Point};
@@ -101,6 +102,9 @@ impl<K: Kernel + HasDomain, P: Send + Sync> Operator for Proposed<K, P> {
     }
     fn series(&self) -> Result<Series<K::Point>, Error> {
         self.series.get_or_init(|| series_of(&self.kernel)).clone()
+    }
+    fn vanishes_at(&self, x: &K::Point) -> bool {
+        vanishes(&self.kernel, x)
     }
 }
 

@@ -75,7 +75,7 @@ where
     }
 }
 
-/// Whether `score`, that of every walk, is what g alone scores at the start of one, and what T f adds is not known to drown in its rounding.
+/// Whether `score`, that of every walk, is what g alone scores at the start of one, and what T f adds is not known to be nothing, or to drown in its rounding.
 pub(super) fn met_nothing<G, K, D, S>(equation: &Equation<G, K>, detector: &D, (cell, mut u): (usize, S), score: G::Value) -> bool
 where
     G: Source,
@@ -86,6 +86,11 @@ where
 {
     u.seek(0, Purpose::Start);
     let start = detector.start(cell, &mut u);
+    // a detector at a point draws nothing: the next start is the same
+    let one = detector.start(cell, &mut u).point == start.point;
+    if one && equation.kernel().vanishes_at(&start.point) {
+        return false;
+    }
     let own = equation.source().eval(&start.point).scale(start.weight);
     let series = equation.kernel().series();
     // |⟨h, T f⟩| ≤ ∫|h| · sup |T f|

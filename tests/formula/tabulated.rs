@@ -88,10 +88,17 @@ fn largest_weight<F: Fn(&f64, &f64) -> f64 + Send + Sync>(kernel: F) -> f64 {
 fn weights_stay_bounded_on_the_diagonal() {
     assert!(largest_weight(|x, y| (x - y).abs().powf(-0.5)) < 3.0);
     // a few samples fall into the innermost shell, where floating-point numbers leave eight distances
-    assert!(largest_weight(|x, y| (x - y).abs().powf(-0.75)) < 12.0);
+    assert!(largest_weight(|x, y| (x - y).abs().powf(-0.7)) < 12.0);
     assert!(largest_weight(|x, y| -(x - y).abs().ln()) < 3.0);
     assert!(largest_weight(|x, y| 1e-5 / (1e-10 + (x - y) * (x - y))) < 3.0);
     assert!(largest_weight(|x, y| (-0.5 * ((x - y) / 1e-3).powi(2)).exp()) < 3.0);
+}
+
+/// 1.6·10⁻³ of the mass of |x − y|^−0.8 lies closer to y = x than the spacing of numbers there: walks would be wrong by that, unseen.
+#[test]
+fn singularities_below_rounding_are_refused() {
+    let kernel = kernel_fn(Interval::from(0.0..=1.0), |x: &f64, y: &f64| (x - y).abs().powf(-0.8));
+    assert!(matches!(Tabulated::new(&kernel, 64), Err(fredholm::Error::BelowRounding { share, .. }) if share > 1e-4));
 }
 
 #[test]
