@@ -21,6 +21,7 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -
 }
 
 /// The same for many short tasks, in runs of them.
+#[cfg(feature = "scene")]
 pub(crate) fn map_short<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
     const RUN: usize = 1 << 14;
     if count <= RUN {

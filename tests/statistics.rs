@@ -293,6 +293,16 @@ fn a_constant_added_to_the_scores_hides_no_tail() {
     assert!(trusted[0] == 0 && trusted[1] < 30 && trusted[2] == 100, "{trusted:?}");
 }
 
+#[test]
+fn agreement_is_counted_in_standard_errors() {
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+    let e = eq.at(0.5).solve(&Walk::collision()).unwrap();
+    let s = e.std_error.unwrap();
+    for sign in [-1.0, 1.0] {
+        assert!(e.agrees_with(e.value + sign * 2.9 * s, 3.0) && !e.agrees_with(e.value + sign * 3.1 * s, 3.0), "{e}");
+    }
+}
+
 /// Weights 1.5ⁿ of walks of n steps: scores are tied, the tail index is 1.26, and no run may be trusted.
 #[test]
 fn tied_scores_hide_no_tail() {

@@ -48,6 +48,19 @@ fn kinks_converge_slowly_and_say_so() {
     assert!(matches!(strict, Err(Error::NotConverged { error, .. }) if error < 1e-3), "{strict:?}");
 }
 
+/// x(1 + 100 e^{−((y − 0.377)/w)²}) for w = 10⁻³: a column between the nodes of small rules, which agree with each other on 1 − z/2.
+#[test]
+fn narrow_columns_are_not_missed() {
+    let column = on(0.0, 1.0, |x, y| x * (1.0 + 100.0 * (-((y - 0.377) / 1e-3).powi(2)).exp()));
+    let known = 0.5 - 37.7 * 1e-3 * PI.sqrt();
+    for settings in [Nystrom::adaptive().tolerance(1e-9).max_unknowns(400), Nystrom::adaptive().tolerance(1e-9).max_unknowns(3000)] {
+        match determinant(&column, 1.0, &settings) {
+            Ok(d) => holds(d, known.into(), 2e-9),
+            Err(refused) => assert!(matches!(refused, Error::NotConverged { .. }), "{refused:?}"),
+        }
+    }
+}
+
 #[test]
 fn determinants_of_unbounded_kernels_are_refused() {
     for k in [|x: &f64, y: &f64| (x - y).abs().ln(), |x: &f64, y: &f64| (x - y).abs().powf(-0.5)] as [fn(&f64, &f64) -> f64; 2] {

@@ -9,8 +9,11 @@
 
 use super::matrix::Matrix;
 use super::validated;
+use crate::deterministic::erased::erased;
 use crate::deterministic::grid::Grid;
 use crate::deterministic::nystrom::{Nystrom, Rule};
+use crate::deterministic::scan::Scan;
+use crate::deterministic::seen::Sight;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
@@ -36,7 +39,7 @@ const SLOW: f64 = 3.0;
 /// det(I − zT) for one z: 0 iff 1/z is an eigenvalue of T.
 ///
 /// A fixed plain rule is compared with one of three quarters of its nodes; [`Nystrom::adaptive`] doubles a Gauss rule until the change is below its
-/// tolerance. What lies between the nodes of both is not looked for, as it is for eigenpairs: a column of K narrower than their spacing goes unseen.
+/// tolerance and rows and columns of K have nothing between the nodes.
 ///
 /// ```
 /// use fredholm::{deterministic::{Nystrom, determinant}, domain::Interval, kernel::kernel_fn};
@@ -79,6 +82,9 @@ pub fn determinant<K: Kernel + HasDomain>(kernel: &K, z: impl Into<Complex<f64>>
                 if let Some(last) = last {
                     error = (value - last).norm() + rounding;
                     if error <= tolerance * value.norm().max(1.0) {
+                        error += z.norm() * unseen(kernel, &Grid::plain(domain, 1, order)?) * value.norm().max(1.0);
+                    }
+                    if error <= tolerance * value.norm().max(1.0) {
                         return finite(Determinant { value, error, unknowns });
                     }
                 }
@@ -91,6 +97,13 @@ pub fn determinant<K: Kernel + HasDomain>(kernel: &K, z: impl Into<Complex<f64>>
             Err(Error::invalid("Nystrom::graded", 0.0, "has no determinant, as little as a centred rule: take a plain or an adaptive one"))
         }
     }
+}
+
+/// What rows and columns of K have between the nodes: the determinant changes by about −z tr((I − zT)⁻¹ δT) of itself.
+fn unseen<K: Kernel + HasDomain>(kernel: &K, grid: &Grid<K::Point>) -> f64 {
+    let kernel = erased(kernel);
+    let seen = Sight { kernel: &kernel, grid }.look(&Scan::of(kernel.domain(), grid), &[]);
+    seen.row + seen.column
 }
 
 fn finite(d: Determinant) -> Result<Determinant, Error> {
