@@ -70,57 +70,44 @@ where
         F: Ending<K::Adjoint>,
         Q: Sequence,
     {
-        contained(|| self.predicted(walks, cell, order, rule))
-    }
-
-    fn predicted<E, F, Q>(
-        &self,
-        walks: &Bidirectional<E, F, Q>,
-        cell: usize,
-        order: u64,
-        rule: &Nystrom,
-    ) -> Result<Vec<PredictedStrategy>, Error>
-    where
-        E: Ending<K>,
-        F: Ending<K::Adjoint>,
-        Q: Sequence,
-    {
-        let (kernel, source, detector) = (self.equation().kernel(), self.equation().source(), self.detector());
-        self.equation().validate()?;
-        detector.validate()?;
-        if cell >= detector.cells() {
-            return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
-        }
-        if order > MOST_EDGES {
-            return Err(Error::invalid("order", order as f64, "must be at most 64"));
-        }
-        let (adjoint, grid, (back, forth)) = (kernel.adjoint()?, rule.grid(kernel.domain())?, walks.ends_by());
-        let known = |x| back.survival_at(kernel, x).and(forth.survival_at(&adjoint, x)).is_some();
-        if !grid.nodes.iter().all(|n| known(&n.point)) {
-            let why =
-                "the variance is predicted for survival that depends on the place alone: constant roulette, Subcritical, OwnAbsorption";
-            return Err(Error::invalid("ending", f64::NAN, why));
-        }
-        let density = |x: &G::Point, y: &G::Point| back.survival_at(kernel, x).unwrap_or(f64::NAN) * kernel.pdf(x, y);
-        let reverse = |z: &G::Point, x: &G::Point| forth.survival_at(&adjoint, z).unwrap_or(f64::NAN) * adjoint.pdf(z, x);
-        let over = |k: f64, p: f64| if k == 0.0 { 0.0 } else { k * k / p };
-        let rows = Rows {
-            grid: &grid,
-            kernel,
-            backward: &|x, y| over(kernel.eval(x, y), density(x, y)),
-            forward: &|z, x| over(kernel.eval(x, z), reverse(z, x)),
-            joined: &|x, z| kernel.eval(x, z).powi(2),
-        };
-        let start = detector.start(cell, &mut Pcg::default().point(cell as u64, 0, 0)).point;
-        let start = detector.start_pdf(cell, &start).is_infinite().then_some(start);
-        let values = |f: &dyn Fn(&G::Point) -> f64| grid.nodes.iter().map(|n| f(&n.point)).collect::<Vec<_>>();
-        let ends = Ends {
-            g: source_values(source, &grid)?.as_slice().to_vec(),
-            h: values(&|x| detector.importance(cell, x)),
-            seen: values(&|x| over(detector.importance(cell, x), detector.start_pdf(cell, x))),
-            born: values(&|x| over(source.eval(x), source.emit_pdf(x))),
-        };
-        rows.strategies(&ends, start.map(|x| (x, source.eval(&x))), order)
+        contained(|| {
+            let (kernel, source, detector) = (self.equation().kernel(), self.equation().source(), self.detector());
+            self.equation().validate()?;
+            detector.validate()?;
+            if cell >= detector.cells() {
+                return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
+            }
+            if order > MOST_EDGES {
+                return Err(Error::invalid("order", order as f64, "must be at most 64"));
+            }
+            let (adjoint, grid, (back, forth)) = (kernel.adjoint()?, rule.grid(kernel.domain())?, walks.ends_by());
+            let known = |x| back.survival_at(kernel, x).and(forth.survival_at(&adjoint, x)).is_some();
+            if !grid.nodes.iter().all(|n| known(&n.point)) {
+                let why =
+                    "the variance is predicted for survival that depends on the place alone: constant roulette, Subcritical, OwnAbsorption";
+                return Err(Error::invalid("ending", f64::NAN, why));
+            }
+            let density = |x: &G::Point, y: &G::Point| back.survival_at(kernel, x).unwrap_or(f64::NAN) * kernel.pdf(x, y);
+            let reverse = |z: &G::Point, x: &G::Point| forth.survival_at(&adjoint, z).unwrap_or(f64::NAN) * adjoint.pdf(z, x);
+            let over = |k: f64, p: f64| if k == 0.0 { 0.0 } else { k * k / p };
+            let rows = Rows {
+                grid: &grid,
+                kernel,
+                backward: &|x, y| over(kernel.eval(x, y), density(x, y)),
+                forward: &|z, x| over(kernel.eval(x, z), reverse(z, x)),
+                joined: &|x, z| kernel.eval(x, z).powi(2),
+            };
+            let start = detector.start(cell, &mut Pcg::default().point(cell as u64, 0, 0)).point;
+            let start = detector.start_pdf(cell, &start).is_infinite().then_some(start);
+            let values = |f: &dyn Fn(&G::Point) -> f64| grid.nodes.iter().map(|n| f(&n.point)).collect::<Vec<_>>();
+            let ends = Ends {
+                g: source_values(source, &grid)?.as_slice().to_vec(),
+                h: values(&|x| detector.importance(cell, x)),
+                seen: values(&|x| over(detector.importance(cell, x), detector.start_pdf(cell, x))),
+                born: values(&|x| over(source.eval(x), source.emit_pdf(x))),
+            };
+            rows.strategies(&ends, start.map(|x| (x, source.eval(&x))), order)
+        })
     }
 }
 

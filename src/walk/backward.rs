@@ -86,19 +86,21 @@ where
 {
     u.seek(0, Purpose::Start);
     let start = detector.start(cell, &mut u);
-    // a detector at a point draws nothing: the next start is the same
-    let one = detector.start(cell, &mut u).point == start.point;
-    if one && equation.kernel().vanishes_at(&start.point) {
+    let own = equation.source().eval(&start.point).scale(start.weight);
+    let rounding = ROUNDINGS * own.magnitude();
+    if !((score - own).magnitude() <= rounding) {
         return false;
     }
-    let own = equation.source().eval(&start.point).scale(start.weight);
-    let series = equation.kernel().series();
+    // a detector at a point draws nothing: the next start is the same
+    if detector.start(cell, &mut u).point == start.point && equation.kernel().vanishes_at(&start.point) {
+        return false;
+    }
     // |⟨h, T f⟩| ≤ ∫|h| · sup |T f|
     let bound = || {
-        let Ok(Series::Known(series)) = series else { return None };
+        let Ok(Series::Known(series)) = equation.kernel().series() else { return None };
         Some(series.truncation_bound(0, |x| equation.source().eval(x))? * detector.norm()?)
     };
-    (score - own).magnitude() <= ROUNDINGS * own.magnitude() && !bound().is_some_and(|b| b <= ROUNDINGS * own.magnitude())
+    !bound().is_some_and(|b| b <= rounding)
 }
 
 /// Rounding of a mean of equal scores, relative.

@@ -80,11 +80,12 @@ pub fn determinant<K: Kernel + HasDomain>(kernel: &K, z: impl Into<Complex<f64>>
                 let (value, rounding, unknowns) = at(1, order)?;
                 largest = unknowns;
                 if let Some(last) = last {
+                    let scale = value.norm().max(1.0);
                     error = (value - last).norm() + rounding;
-                    if error <= tolerance * value.norm().max(1.0) {
-                        error += z.norm() * unseen(kernel, &Grid::plain(domain, 1, order)?) * value.norm().max(1.0);
+                    if error <= tolerance * scale {
+                        error += z.norm() * unseen(kernel, &Grid::plain(domain, 1, order)?) * scale;
                     }
-                    if error <= tolerance * value.norm().max(1.0) {
+                    if error <= tolerance * scale {
                         return finite(Determinant { value, error, unknowns });
                     }
                 }
