@@ -252,16 +252,20 @@ pub enum Error {
         /// What was asked.
         tolerance: f64,
     },
-    /// K(x, ·) has no integral at y = x: a singularity like 1/|x − y|, or stronger.
-    #[error("the kernel is not integrable at y = x = {x}: its integral over [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
+    /// K(x, ·) has no integral at y = x: a singularity like 1/|x − y|, or stronger, or too close to it to be told apart.
+    #[error(
+        "the kernel is not integrable at y = x = {x}, or only just (|x − y|^−0.98 and beyond): its integral over [r, 2r] falls only by a factor {ratio:.3} when r is halved"
+    )]
     NotIntegrable {
         /// The point.
         x: String,
         /// That factor; 1/2 for a bounded kernel, 1 for 1/|x − y|.
         ratio: f64,
     },
-    /// g has no integral: a singularity like 1/|x − c|, or stronger.
-    #[error("the source is not integrable at {at}: its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved")]
+    /// g has no integral: a singularity like 1/|x − c|, or stronger, or too close to it to be told apart.
+    #[error(
+        "the source is not integrable at {at}, or only just (powers of −0.98 and beyond): its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved"
+    )]
     SourceNotIntegrable {
         /// The point.
         at: String,
@@ -302,7 +306,7 @@ pub enum Error {
     },
     /// K(x, ·) has no integral at an end of the domain.
     #[error(
-        "the kernel is not integrable at y = {end}, seen from x = {x}: its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved"
+        "the kernel is not integrable at y = {end}, seen from x = {x}, or only just (powers of −0.98 and beyond): its integral over distances [r, 2r] falls only by a factor {ratio:.3} when r is halved"
     )]
     NotIntegrableAtEnd {
         /// The point.
@@ -420,7 +424,7 @@ impl Error {
 }
 
 /// A number in a message: in full, unless that takes a long row of zeros.
-struct Short(f64);
+pub(crate) struct Short(pub(crate) f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -2,6 +2,7 @@
 
 use super::tail::Suspicion;
 use super::{Moments, Tail, student_quantile};
+use crate::error::Short;
 use crate::value::Value;
 use std::fmt;
 use std::time::Duration;
@@ -240,7 +241,7 @@ impl<V: Value> Estimate<V> {
 /// `value(error)` with two digits of the error, one component.
 fn parenthesised(value: f64, error: f64) -> String {
     if !(error > 0.0) || !error.is_finite() || !value.is_finite() {
-        return format!("{value}({error})");
+        return format!("{}({})", Short(value), Short(error));
     }
     let mut exponent = error.log10().floor() as i32 - 1;
     // 0.0996 rounds to 0.10, which has its first digit one place further left
@@ -264,9 +265,11 @@ impl<V: Value> fmt::Display for Estimate<V> {
             // an error of 0 of scores that are all 0 is none: the value is unknown
             Some(se) if self.value.component(i) == 0.0 && se.component(i) == 0.0 => "0(?)".into(),
             // an error below the rounding of the value has no digit that could be printed
-            Some(se) if se.component(i) <= 0.25 * f64::EPSILON * self.value.component(i).abs() => format!("{}(0)", self.value.component(i)),
+            Some(se) if se.component(i) <= 0.25 * f64::EPSILON * self.value.component(i).abs() => {
+                format!("{}(0)", Short(self.value.component(i)))
+            }
             Some(se) => parenthesised(self.value.component(i), se.component(i)),
-            None => format!("{}(?)", self.value.component(i)),
+            None => format!("{}(?)", Short(self.value.component(i))),
         };
         let text = if V::COMPONENTS == 1 { one(0) } else { format!("[{}]", (0..V::COMPONENTS).map(one).collect::<Vec<_>>().join(", ")) };
         if !f.alternate() {
@@ -301,5 +304,6 @@ mod tests {
         assert_eq!(parenthesised(12345.0, 1234.0), "1.23(12)e4");
         assert_eq!(parenthesised(1.5e-20, 2.5e-22), "1.500(25)e-20");
         assert_eq!(parenthesised(-3.0, 0.25), "-3.00(25)");
+        assert_eq!(parenthesised(1e300, f64::INFINITY), "1e300(inf)");
     }
 }

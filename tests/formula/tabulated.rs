@@ -94,6 +94,23 @@ fn weights_stay_bounded_on_the_diagonal() {
     assert!(largest_weight(|x, y| (-0.5 * ((x - y) / 1e-3).powi(2)).exp()) < 3.0);
 }
 
+/// Where K ends between the places that the table asked for, walks still come: else a part of it is met by one walk in a million, with a weight of 10⁴.
+#[test]
+fn weights_stay_bounded_where_the_kernel_ends() {
+    let largest = |kernel: fn(&f64, &f64) -> f64| {
+        let kernel = kernel_fn(Interval::from(0.0..=1.0), kernel);
+        let table = Tabulated::new(&kernel, 64).unwrap();
+        let over = |x: f64| (1..20_000).map(move |i| (x, f64::from(i) / 20_000.0)).filter(|(x, y)| x != y);
+        let weight = |(x, y): (f64, f64)| kernel.eval(&x, &y) / (table.pdf(&x, &y) * table.mass(&x));
+        (0..200).flat_map(|i| over((f64::from(i) + 0.37) / 200.0)).map(weight).fold(0.0, f64::max)
+    };
+    // where only a hundredth of the density of the domain leads it would be 5·10⁴ and 10⁴
+    let band = largest(|x, y| f64::from(u8::from((x - y).abs() < 1e-3)));
+    let window = largest(|_, y| f64::from(u8::from((0.501..0.511).contains(y))));
+    let across = largest(|_, y| f64::from(u8::from((0.499..0.509).contains(y))));
+    assert!(band < 40.0 && window < 40.0 && across < 40.0, "{band} {window} {across}");
+}
+
 /// 1.6·10⁻³ of the mass of |x − y|^−0.8 lies closer to y = x than the spacing of numbers there: walks would be wrong by that, unseen.
 #[test]
 fn singularities_below_rounding_are_refused() {

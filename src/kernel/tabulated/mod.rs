@@ -8,6 +8,8 @@
 //!                  + shells r_k ≤ ±(s − t) < r_{k+1} < R   the mean of what exceeds that ]
 //! ```
 //!
+//! and no entry less than a tenth of the density of its neighbours: K may end between the places where it was asked for.
+//!
 //! Shells are quarters of octaves of the distance, down to the spacing of floating-point numbers. On one of them a kernel |x − y|^{−α} hardly varies, so K/p stays
 //! bounded where equal cells alone have K/p unbounded and, for α ≥ ½, infinite variance (theory (4.3.1)); the same holds for peaks narrower than a cell.
 //! Shells that would leave [0, 1] are folded back at its ends. R is a few cells, measured in units of μ: where the map of a half line stretches, shells keep

@@ -17,6 +17,10 @@ const SHELL_OFFSETS: [f64; 2] = [0.25, 0.75];
 const REACH: f64 = 8.0;
 /// Most of a row that may lie below the spacing of floating-point numbers.
 const LOST: f64 = 1e-4;
+/// Least density of an entry, as a share of its neighbours'.
+const NEIGHBOURS: f64 = 0.1;
+/// Neighbouring shells on each side, a factor of 1.5 to 2 of the distance.
+const NEAR_SHELLS: usize = 3;
 /// Octaves over which the decay of the mass towards y = x is measured.
 const SPAN: usize = 8;
 
@@ -46,6 +50,14 @@ impl<K: Kernel + HasDomain> Probe<'_, K> {
         if lost > LOST * mass {
             return Err(Error::BelowRounding { x: format!("{:?}", x.point), share: lost / mass });
         }
+        let (cells, shells) = weights.split_at_mut(domain.states() * self.cells);
+        cells.chunks_mut(self.cells).for_each(|row| spread(row, 1, |_| 1.0));
+        shells.chunks_mut(SHELLS).for_each(|side| {
+            spread(side, NEAR_SHELLS, |level| {
+                let (inner, outer) = Shell::of_index(level).bounds();
+                outer - inner
+            });
+        });
         Ok(Row { table: Table::new(&weights), mass, reach })
     }
 
@@ -124,6 +136,16 @@ impl<K: Kernel + HasDomain> Probe<'_, K> {
             return Ok((0.0, y.weight)); // a singularity at y = x, reached by rounding
         }
         Err(Error::non_finite_kernel(&at.x, &y.point, &k))
+    }
+}
+
+/// Gives every entry a share of the densities of those at most `near` away: a K that ends between samples, or elsewhere for another x of the cell, is not 0
+/// just beyond the last that saw it. Where only the domain's own density leads walks come too seldom, with too large weights, to show what they miss.
+fn spread(weights: &mut [f64], near: usize, width: impl Fn(usize) -> f64) {
+    let seen: Vec<f64> = weights.iter().enumerate().map(|(i, w)| w / width(i)).collect();
+    for (i, w) in weights.iter_mut().enumerate() {
+        let around = &seen[i.saturating_sub(near)..(i + near + 1).min(seen.len())];
+        *w = w.max(NEIGHBOURS * width(i) * around.iter().fold(0.0, |m: f64, d| m.max(*d)));
     }
 }
 
