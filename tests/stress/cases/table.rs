@@ -59,7 +59,8 @@ impl Happened {
             Happened::Answered { value, claimed, truth, .. } => (value - truth).abs() <= claimed + 8.0 * f64::EPSILON * truth.abs(),
             _ => false,
         };
-        let refusal = !matches!(self, Happened::Answered { .. });
+        // a panic, contained or not, is a fault and no refusal
+        let refusal = !matches!(self, Happened::Answered { .. } | Happened::Refused(Error::Panicked { .. }));
         match should {
             Should::Answer => true_answer,
             Should::Refuse => refusal,
