@@ -2,12 +2,16 @@
 //! interpreter.
 
 use crate::any::AnyLine;
-use crate::boxes::NAMES;
-use fredholm::Equation;
-use fredholm::formula::{Problem, Stated, Statement, TextEquation};
+use crate::boxes;
+use crate::scenes::SCENES;
+use fredholm::deterministic::Nystrom;
+use fredholm::domain::Domain;
+use fredholm::formula::{KernelText, Problem, Stated, Statement, TextEquation};
 use fredholm::special::e1;
+use fredholm::{Equation, Error};
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 type G = Box<dyn Fn(&f64) -> f64 + Send + Sync>;
 type K = Box<dyn Fn(&f64, &f64) -> f64 + Send + Sync>;
@@ -22,6 +26,8 @@ pub(crate) struct Case {
     pub class: String,
     /// How the other programs call it.
     pub peer: &'static str,
+    /// c and a, if it is a slab, which has steps of its own.
+    pub slab: Option<(f64, f64)>,
     domain: AnyLine,
     source: G,
     kernel: K,
@@ -34,9 +40,33 @@ impl Case {
         Equation::on_domain(self.domain, &*self.source, &*self.kernel)
     }
 
+    /// Values of the kernel that `solve` asks for, all of them: of assembly, choosing panels, checks and interpolation.
+    pub(crate) fn evaluations(&self, solve: impl FnOnce(Plain<'_>)) -> u64 {
+        let count = AtomicU64::new(0);
+        let kernel = |x: &f64, y: &f64| {
+            count.fetch_add(1, Ordering::Relaxed);
+            (self.kernel)(x, y)
+        };
+        let kernel: KernelText<'_, AnyLine> = &kernel;
+        solve(Equation::on_domain(self.domain, &*self.source, kernel));
+        count.into_inner()
+    }
+
     /// Largest known |f|: errors are relative to it.
     pub(crate) fn scale(&self) -> f64 {
         self.known.iter().fold(0.0, |m: f64, k| m.max(k.1.abs()))
+    }
+
+    /// Values of f at `points`, or at five of the domain if there are none, by the tightest adaptive solve that succeeds; errors below its own mean nothing.
+    fn solve(&mut self, points: &[f64]) -> Result<(), Error> {
+        let five = || [0.1, 0.3, 0.5, 0.7, 0.9].map(|s| self.domain.place(0, || s).point).to_vec();
+        let points = if points.is_empty() { five() } else { points.to_vec() };
+        let (equation, solve) = (self.equation(), |t: f64| Nystrom::adaptive().tolerance(t));
+        let f = equation.solve(&solve(1e-12)).or_else(|_| equation.solve(&solve(1e-9))).or_else(|_| equation.solve(&solve(1e-6)))?;
+        let known = points.iter().map(|x| Ok((*x, f.try_eval(x)?))).collect::<Result<_, Error>>()?;
+        let class = format!("{}; f by an adaptive solve ± {:.0e}", self.class, f.error_estimate().unwrap_or(f64::NAN));
+        (self.known, self.class) = (known, class);
+        Ok(())
     }
 
     /// The point where walks start.
@@ -65,6 +95,7 @@ fn compiled() -> Vec<Row> {
         row("green-bridge-lam5", "c Green lam=5", |x, y| 5.0 * (x.min(y) - x * y), one),
         row("volterra-step-lam1", "", |x, y| f64::from(x > y), one),
         row("abel-1over2-g1-lam0.2", "d1 0.2|t|^-1/2", |x, y| 0.2 / (x - y).abs().sqrt(), one),
+        row("log-g1-lam-0.5", "", |x, y| -0.5 * (x - y).abs().ln(), one),
         row("slab-c0.9-a1-uniform", "e Peierls a=1 c=0.9", slab(0.9), one),
         row("slab-c0.9-a10-uniform", "e Peierls a=10 c=0.9", slab(0.9), one),
         row("slab-c0.99-a10-uniform", "e Peierls a=10 c=0.99", slab(0.99), one),
@@ -72,20 +103,24 @@ fn compiled() -> Vec<Row> {
     ]
 }
 
+/// c and a of the slabs.
+const SLABS: [(&str, (f64, f64)); 3] =
+    [("slab-c0.9-a1-uniform", (0.9, 1.0)), ("slab-c0.9-a10-uniform", (0.9, 10.0)), ("slab-c0.99-a10-uniform", (0.99, 10.0))];
+
 /// Those asked for by name or by file; all that are compiled, if none is.
 pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
     let rows = compiled();
     let wanted = |row: &Row| names.is_empty() || names.iter().any(|n| n == row.0);
-    if let Some(unknown) = names.iter().find(|n| !n.ends_with(".json") && !NAMES.contains(&n.as_str()) && !rows.iter().any(|r| r.0 == **n))
-    {
-        let all: Vec<_> = rows.iter().map(|r| r.0).chain(NAMES).collect();
+    let all: Vec<_> = rows.iter().map(|r| r.0).chain(boxes::NAMES).chain(SCENES.iter().map(|s| s.name)).collect();
+    if let Some(unknown) = names.iter().find(|n| !n.ends_with(".json") && !all.contains(&n.as_str())) {
         return Err(format!("unknown problem {unknown}: a file.json, or one of {}", all.join(" ")));
     }
     let mut cases = Vec::new();
     for (name, peer, kernel, source) in rows.into_iter().filter(wanted) {
         let stated = read(&Path::new("tests/data/reference").join(format!("{name}.json")))?;
         same(&stated.0, name, &kernel, &source)?;
-        cases.push(case(stated, peer, source, kernel)?);
+        let slab = SLABS.iter().find(|s| s.0 == name).map(|s| s.1);
+        cases.push(Case { slab, ..case(stated, peer, source, kernel)? });
     }
     for file in names.iter().filter(|n| n.ends_with(".json")) {
         let stated = read(Path::new(file))?;
@@ -107,12 +142,17 @@ fn read(path: &Path) -> Result<(Stated<AnyLine>, Problem), String> {
 }
 
 fn case((stated, problem): (Stated<AnyLine>, Problem), peer: &'static str, source: G, kernel: K) -> Result<Case, String> {
-    let known: Vec<_> = stated.points.iter().filter_map(|k| Some((k.point, k.value?))).collect();
-    if known.is_empty() {
-        return Err(format!("{}: no value of f is known: nothing to compare with", problem.name));
-    }
+    let known = stated.points.iter().filter_map(|k| Some((k.point, k.value?))).collect();
     let class = problem.class.unwrap_or_else(|| "-".into());
-    Ok(Case { name: problem.name, class, peer, domain: *stated.domain(), source, kernel, known })
+    let mut case = Case { name: problem.name, class, peer, slab: None, domain: *stated.domain(), source, kernel, known };
+    if case.known.is_empty() {
+        let points: Vec<_> = stated.points.iter().map(|k| k.point).collect();
+        case.solve(&points).map_err(|e| format!("{}: no value of f is known, and the adaptive solve finds none: {e}", case.name))?;
+    }
+    if !(case.scale() > 0.0) {
+        return Err(format!("{}: f is 0 wherever it is known: there are no relative errors", case.name));
+    }
+    Ok(case)
 }
 
 /// Formulas typed twice must be the same.

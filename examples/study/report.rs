@@ -2,6 +2,7 @@
 
 use crate::curve::{Curve, Point, Reach};
 use crate::problem::{Problem, TARGETS, is_walk};
+use crate::scenes::CLASS;
 use fredholm::Error;
 use fredholm::plot::Convergence;
 use std::fmt::Write;
@@ -24,6 +25,17 @@ pub(crate) fn csv(problems: &[Problem]) -> String {
     out
 }
 
+/// A name as that of a file: letters, digits and what is harmless of the rest.
+fn file(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
+}
+
+/// Text in a cell of a Markdown table.
+fn escaped(text: &str) -> String {
+    text.replace('|', "\\|").replace('\n', " ")
+}
+
+const SUBTITLE: &str = "set-up included; walks: root mean square over seeds, solves: largest error";
 /// Curves that a legend has room for.
 const MOST: usize = 17;
 
@@ -31,25 +43,28 @@ const MOST: usize = 17;
 pub(crate) fn plots(problem: &Problem, folder: &Path) -> Result<(), Error> {
     let overview = problem.overview();
     let finite = |v: f64| v.is_finite() && v > 0.0;
-    let draw = |plot: Convergence, curves: &[&Curve], cost: fn(&Point) -> f64| {
-        curves.iter().fold(plot, |plot, c| {
-            let points: Vec<_> = c.points.iter().map(|p| (cost(p), p.error)).filter(|p| finite(p.0) && p.1.is_finite()).collect();
-            if points.is_empty() { plot } else { plot.series(&c.method, points) }
-        })
+    let draw = |plot: Convergence, curves: &[&Curve], cost: fn(&Point) -> f64, which: &str| {
+        let points = |c: &Curve| c.points.iter().map(|p| (cost(p), p.error)).filter(|p| finite(p.0) && p.1.is_finite()).collect::<Vec<_>>();
+        let drawn: Vec<_> = curves.iter().map(|c| (&c.method, points(c))).filter(|(_, points)| !points.is_empty()).collect();
+        // nothing to draw: every method refused, or none has an error
+        if !drawn.iter().any(|(_, points)| points.iter().any(|p| p.1 > 0.0)) {
+            return Ok(());
+        }
+        let plot = drawn.into_iter().fold(plot, |plot, (method, points)| plot.series(method, points));
+        plot.save(folder.join(format!("{}-{which}.png", file(&problem.name))))
     };
     let title = format!("{} ({})", problem.name, problem.class);
-    let time = Convergence::against_time(&title).subtitle("set-up included; walks: root mean square over seeds, solves: largest error");
-    draw(time.error_label("relative error").slopes(&[-0.5]), &overview, |p| p.seconds)
-        .save(folder.join(format!("{}-time.png", problem.name)))?;
+    let how = if problem.class == CLASS { "one run a point: root mean square over pixels" } else { SUBTITLE };
+    let time = Convergence::against_time(&title).subtitle(how);
+    draw(time.error_label("relative error").slopes(&[-0.5]), &overview, |p| p.seconds, "time")?;
     // error · √evaluations at the largest size
     let constant = |c: &Curve| c.points.last().map_or(f64::INFINITY, |p| p.error * p.evaluations.sqrt());
     let mut walks: Vec<_> = problem.curves.iter().filter(|c| is_walk(c) && !c.points.is_empty()).collect();
     walks.sort_by(|a, b| constant(a).total_cmp(&constant(b)));
     walks.truncate(MOST);
-    let subtitle = format!("the {} most efficient walks, best first; root mean square over seeds", walks.len());
+    let subtitle = format!("the {} most efficient walks, best first; without what the set-up evaluates", walks.len());
     let work = Convergence::against(&title, "evaluations of the kernel").subtitle(&subtitle);
-    draw(work.error_label("relative error").slopes(&[-0.5]), &walks, |p| p.evaluations)
-        .save(folder.join(format!("{}-walks.png", problem.name)))
+    draw(work.error_label("relative error").slopes(&[-0.5]), &walks, |p| p.evaluations, "walks")
 }
 
 fn seconds(s: f64) -> String {
@@ -78,7 +93,7 @@ fn fastest(out: &mut String, title: &str, problems: &[Problem], needs: Needs) {
     let _ = writeln!(out, "{title}\n\n| problem | class |{head}\n|---|---|{}", "---|".repeat(TARGETS.len()));
     for p in problems {
         let cells = TARGETS.map(|t| format!(" {} |", cell(p.fastest(|c| needs(c, t)))));
-        let _ = writeln!(out, "| {} | {} |{}", p.name, p.class, cells.concat());
+        let _ = writeln!(out, "| {} | {} |{}", escaped(&p.name), escaped(&p.class), cells.concat());
     }
     out.push('\n');
 }
@@ -97,13 +112,13 @@ fn details(out: &mut String, problems: &[Problem]) {
     *out += "Slopes of ln error against ln evaluations\n\n| problem | method | slope |\n|---|---|---|\n";
     for (p, c) in problems.iter().flat_map(|p| p.curves.iter().filter(|c| is_walk(c)).map(move |c| (p, c))) {
         if let Some((slope, error)) = c.slope() {
-            let _ = writeln!(out, "| {} | {} | {slope:.2} ± {error:.2} |", p.name, c.method);
+            let _ = writeln!(out, "| {} | {} | {slope:.2} ± {error:.2} |", escaped(&p.name), c.method);
         }
     }
     *out += "\nRefused\n\n| problem | method | why |\n|---|---|---|\n";
     for (p, c) in problems.iter().flat_map(|p| p.curves.iter().map(move |c| (p, c))) {
         if let Some(why) = &c.refusal {
-            let _ = writeln!(out, "| {} | {} | {why} |", p.name, c.method);
+            let _ = writeln!(out, "| {} | {} | {} |", escaped(&p.name), c.method, escaped(why));
         }
     }
 }

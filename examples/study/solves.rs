@@ -2,7 +2,7 @@
 
 use crate::curve::{Curve, Family, Point};
 use crate::options::Effort;
-use crate::problems::Case;
+use crate::problems::{Case, Plain};
 use fredholm::Error;
 use fredholm::deterministic::{Collocation, Galerkin, Nystrom};
 use std::time::Instant;
@@ -10,36 +10,35 @@ use std::time::Instant;
 /// Runs beyond so many seconds are timed once.
 const LONG: f64 = 0.2;
 
-/// What a solve found: f at the known points, evaluations, its own word on the error.
+/// What a solve found: f at the known points, its own word on the error.
 struct Found {
     values: Vec<f64>,
-    evaluations: u64,
     reported: Option<f64>,
 }
 
-type Solve<'a> = Box<dyn Fn() -> Result<Found, Error> + 'a>;
+type Solve<'a> = Box<dyn Fn(Plain<'_>) -> Result<Found, Error> + 'a>;
 
 fn nystrom<'a>(case: &'a Case, settings: Nystrom) -> Solve<'a> {
-    Box::new(move || {
-        let f = case.equation().solve(&settings)?;
+    Box::new(move |equation| {
+        let f = equation.solve(&settings)?;
         let values = case.known.iter().map(|(x, _)| f.try_eval(x)).collect::<Result<_, _>>()?;
-        Ok(Found { values, evaluations: f.evaluations(), reported: f.error_estimate() })
+        Ok(Found { values, reported: f.error_estimate() })
     })
 }
 
 fn galerkin<'a>(case: &'a Case, settings: Galerkin) -> Solve<'a> {
-    Box::new(move || {
-        let f = case.equation().solve(&settings)?;
+    Box::new(move |equation| {
+        let f = equation.solve(&settings)?;
         let values = case.known.iter().map(|(x, _)| f.iterated(*x)).collect::<Result<_, _>>()?;
-        Ok(Found { values, evaluations: f.evaluations(), reported: None })
+        Ok(Found { values, reported: None })
     })
 }
 
 fn collocation<'a>(case: &'a Case, settings: Collocation) -> Solve<'a> {
-    Box::new(move || {
-        let f = case.equation().solve(&settings)?;
+    Box::new(move |equation| {
+        let f = equation.solve(&settings)?;
         let values = case.known.iter().map(|(x, _)| f.iterated(*x)).collect::<Result<_, _>>()?;
-        Ok(Found { values, evaluations: f.evaluations(), reported: None })
+        Ok(Found { values, reported: None })
     })
 }
 
@@ -69,12 +68,13 @@ pub(crate) fn all<'a>(case: &'a Case, effort: Effort) -> Vec<Curve> {
 fn curve<'a>(name: &str, case: &Case, settings: impl Iterator<Item = (String, Solve<'a>)>) -> Curve {
     let mut curve = Curve::new(name, Family::Deterministic);
     for (setting, solve) in settings {
-        match timed(&solve) {
+        match timed(case, &solve) {
             Ok((seconds, found)) => {
+                let evaluations = case.evaluations(|equation| drop(solve(equation))) as f64;
                 let scale = case.scale();
                 let error = case.known.iter().zip(&found.values).fold(0.0, |m: f64, (k, v)| m.max((v - k.1).abs())) / scale;
                 let reported = found.reported.map_or(f64::NAN, |e| e / scale);
-                curve.points.push(Point { setting, seconds, evaluations: found.evaluations as f64, error, reported });
+                curve.points.push(Point { setting, seconds, evaluations, error, reported });
             }
             Err(e) => curve.refusal = Some(format!("{setting}: {e}")),
         }
@@ -83,11 +83,11 @@ fn curve<'a>(name: &str, case: &Case, settings: impl Iterator<Item = (String, So
 }
 
 /// Median seconds of up to five runs.
-fn timed(solve: &Solve<'_>) -> Result<(f64, Found), Error> {
+fn timed(case: &Case, solve: &Solve<'_>) -> Result<(f64, Found), Error> {
     let mut seconds = Vec::new();
     loop {
         let clock = Instant::now();
-        let found = solve()?;
+        let found = solve(case.equation())?;
         seconds.push(clock.elapsed().as_secs_f64());
         if seconds.len() == 5 || seconds.iter().sum::<f64>() > LONG {
             seconds.sort_by(f64::total_cmp);

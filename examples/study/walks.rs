@@ -8,9 +8,10 @@ use crate::rules::{AnyEnding, AnyScoring};
 use crate::sequences::Any;
 use fredholm::formula::{KernelText, SourceText};
 use fredholm::kernel::{KernelFn, Operator, Proposed, Tabulated, Transition};
-use fredholm::sampling::{Halton, LatinHypercube, Layout, Sequence, Sobol};
+use fredholm::sampling::{Halton, Hammersley, LatinHypercube, Layout, Sequence, Sobol};
 use fredholm::source::{Source, SourceFn, TabulatedSource};
-use fredholm::walk::{ArrayRqmc, FixedDepth, Heuristic, Mis, Roulette};
+use fredholm::transport::Slab;
+use fredholm::walk::{ArrayRqmc, FixedDepth, Heuristic, Mis, OwnAbsorption, Roulette};
 use fredholm::{Bidirectional, Equation, Error, Estimate, Forward, Walk};
 use std::time::Instant;
 
@@ -62,7 +63,9 @@ impl Sweep<'_> {
             let f = solve(n, n * seeds + seed)?;
             seconds.push(clock.elapsed().as_secs_f64());
             squares += ((f.value - self.truth) / self.scale).powi(2) / seeds as f64;
-            stated += (f.std_error.unwrap_or(f64::NAN) / self.scale).powi(2) / seeds as f64;
+            // walks that are cut know a bound on their bias, or nothing
+            let bias = f.truncation.map_or(0.0, |t| t.bias_bound.unwrap_or(f64::NAN));
+            stated += ((f.std_error.unwrap_or(f64::NAN) + bias) / self.scale).powi(2) / seeds as f64;
             evaluations += f.evaluations as f64 / seeds as f64;
         }
         seconds.sort_by(f64::total_cmp);
@@ -97,6 +100,9 @@ pub(crate) fn all(case: &Case, effort: Effort) -> Vec<Curve> {
     let mut curves = Vec::new();
     let mut sweep = Sweep { effort, truth, scale, curves: &mut curves };
     uniform(case, x, &mut sweep);
+    if let Some((ratio, thickness)) = case.slab {
+        flights(&Slab::new(thickness).scattering(ratio), x, &mut sweep);
+    }
     for (how, guided) in [("table", false), ("guided", true)] {
         let clock = Instant::now();
         match table(case.equation(), guided).and_then(|eq| first(&eq, x).map(|()| eq)) {
@@ -136,6 +142,28 @@ fn uniform(case: &Case, x: f64, sweep: &mut Sweep<'_>) {
     }
 }
 
+/// Steps and absorption of the slab's own: free flights, no table.
+fn flights(slab: &Slab, x: f64, sweep: &mut Sweep<'_>) {
+    let clock = Instant::now();
+    let eq = Equation::new(slab.uniform(1.0), slab.clone());
+    if let Err(e) = first(&eq, x) {
+        return sweep.curves.push(Curve::refused("walks, own flights", Family::MonteCarlo, &e));
+    }
+    let (set_up, balance) = (clock.elapsed().as_secs_f64(), mis(Heuristic::Balance));
+    let rules = [
+        ("collision", AnyScoring::Collision),
+        ("absorption", AnyScoring::Absorption),
+        ("next event", AnyScoring::NextEvent),
+        ("MIS", balance),
+    ];
+    for (name, scoring) in rules {
+        let walk = Walk::new(scoring, OwnAbsorption);
+        sweep.run(&format!("{name}, own flights"), Family::MonteCarlo, set_up, &|n, seed| {
+            eq.at(x).solve(&walk.samples_per_cell(n).seed(seed)).map(|f| counted(f, scoring))
+        });
+    }
+}
+
 fn tables(eq: &Table<'_>, x: f64, how: &str, set_up: f64, sweep: &mut Sweep<'_>) {
     let query = eq.at(x);
     let constant = AnyEnding::Roulette(Roulette::constant(0.9));
@@ -147,6 +175,7 @@ fn tables(eq: &Table<'_>, x: f64, how: &str, set_up: f64, sweep: &mut Sweep<'_>)
         ("MIS balance", mis(Heuristic::Balance), throughput()),
         ("MIS power", mis(Heuristic::Power(2.0)), throughput()),
         ("MIS maximum", mis(Heuristic::Maximum), throughput()),
+        ("MIS average", mis(Heuristic::Average), throughput()),
         ("fixed depth 8", AnyScoring::Collision, AnyEnding::FixedDepth(FixedDepth(DEPTH))),
     ];
     for (name, scoring, ending) in rules {
@@ -163,20 +192,30 @@ fn tables(eq: &Table<'_>, x: f64, how: &str, set_up: f64, sweep: &mut Sweep<'_>)
         });
         return;
     }
-    let walk = Walk::new(AnyScoring::Collision, throughput());
-    let mut quasi = |name: &str, solve: Solve<'_>| sweep.run(name, Family::Quasi, set_up, solve);
-    let drawn = |sequence: Any, n: u64| walk.sequence(sequence).samples_per_cell(n);
-    quasi("collision, guided, Sobol'", &|n, seed| query.solve(&drawn(Any::Sobol(Sobol::new(seed)), n)));
-    quasi("collision, guided, Halton", &|n, seed| query.solve(&drawn(Any::Halton(Halton::new(seed)), n)));
-    quasi("collision, guided, Latin hypercube", &|n, seed| {
-        let rooks = LatinHypercube::new(n / u64::from(REPLICATES))?.replicates(REPLICATES).with_seed(seed);
-        query.solve(&drawn(Any::LatinHypercube(rooks), n))
-    });
-    // a walk needs one number for roulette and one for its step
-    let layout = Layout::of_dimension(1).start(0).event(0);
-    quasi("Array-RQMC, guided", &|n, seed| query.solve(&ArrayRqmc::new(drawn(Any::Sobol(Sobol::new(seed).layout(layout)), n))));
+    sequences(eq, x, set_up, sweep);
     sweep.run("forward next event, guided", Family::MonteCarlo, set_up, &|n, seed| query.solve(&Forward::next_event().walks(n).seed(seed)));
     sweep.run("bidirectional, guided", Family::MonteCarlo, set_up, &|n, seed| {
         query.solve(&Bidirectional::new().samples_per_cell(n).seed(seed))
     });
+}
+
+/// The guided walk along points that are not independent.
+fn sequences(eq: &Table<'_>, x: f64, set_up: f64, sweep: &mut Sweep<'_>) {
+    let (query, walk) = (eq.at(x), Walk::new(AnyScoring::Collision, throughput()));
+    let mut quasi = |name: &str, solve: Solve<'_>| sweep.run(name, Family::Quasi, set_up, solve);
+    let drawn = |sequence: Any, n: u64| walk.sequence(sequence).samples_per_cell(n);
+    quasi("collision, guided, Sobol'", &|n, seed| query.solve(&drawn(Any::Sobol(Sobol::new(seed)), n)));
+    quasi("collision, guided, Halton", &|n, seed| query.solve(&drawn(Any::Halton(Halton::new(seed)), n)));
+    // `Stratified` with the one axis that a step has
+    quasi("collision, guided, Latin hypercube", &|n, seed| {
+        let rooks = LatinHypercube::new(n / u64::from(REPLICATES))?.replicates(REPLICATES).with_seed(seed);
+        query.solve(&drawn(Any::LatinHypercube(rooks), n))
+    });
+    quasi("collision, guided, Hammersley", &|n, seed| {
+        let points = Hammersley::new(n / u64::from(REPLICATES))?.replicates(REPLICATES).with_seed(seed);
+        query.solve(&drawn(Any::Hammersley(points), n))
+    });
+    // a walk needs one number for roulette and one for its step
+    let layout = Layout::of_dimension(1).start(0).event(0);
+    quasi("Array-RQMC, guided", &|n, seed| query.solve(&ArrayRqmc::new(drawn(Any::Sobol(Sobol::new(seed).layout(layout)), n))));
 }
