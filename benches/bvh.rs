@@ -65,6 +65,8 @@ fn bvh(c: &mut Criterion) {
     let first = |ray: &obvhs::ray::Ray| tree.ray_traverse(*ray, &mut RayHit::none(), |ray, i| triangles[i].intersect(ray));
     group.bench_function("obvhs, first hit", |b| b.iter(|| black_box(&theirs).iter().filter(|r| first(r)).count()));
     group.bench_function("first hit", |b| b.iter(|| black_box(&rays).iter().filter_map(|r| geometry.closest(r)).count()));
+    let any = |ray: &obvhs::ray::Ray| !tree.ray_traverse_miss(*ray, |ray, i| triangles[i].intersect(ray));
+    group.bench_function("obvhs, any hit", |b| b.iter(|| black_box(&theirs).iter().filter(|r| any(r)).count()));
     group.bench_function("any hit", |b| b.iter(|| black_box(&rays).iter().filter(|r| geometry.occluded(r)).count()));
 }
 

@@ -4,15 +4,18 @@
 //! |---|---|---|
 //! | table | a point of a tabulated density | binary search in the cumulative sums |
 //! | assembly | matrix and solution by Gauss nodes | the same loop by hand with nalgebra's LU |
-//! | singular panels | a logarithmic kernel on graded panels | so many bare values of the kernel |
+//! | singular panels | a logarithmic kernel and the slab's on graded panels | so many bare values of the kernel |
 //! | path | one path of the Cornell box, next event and MIS | as many bare rays and shadow rays through the same geometry |
 //!
 //! `cargo bench --bench pieces`: one thread.
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fredholm::deterministic::{Nystrom, quadrature};
+use fredholm::kernel::Kernel;
 use fredholm::sampling::{Pcg, Sampler, Sequence, Table};
 use fredholm::scene::{geometry::Ray, load};
+use fredholm::transport::Slab;
 use fredholm::walk::Roulette;
 use fredholm::{Equation, Walk};
 use nalgebra::{DMatrix, DVector};
@@ -72,18 +75,27 @@ fn singular(c: &mut Criterion) {
     let mut group = c.benchmark_group("singular panels");
     let kernel = |x: f64, y: f64| -0.3 * (x - y).abs().ln();
     let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, kernel);
-    let rule = Nystrom::graded(2, 12);
-    let values = eq.solve(&rule).expect("a logarithm").evaluations();
+    let log = || eq.solve(&Nystrom::graded(2, 12)).expect("a logarithm").evaluations();
+    beside(&mut group, "−0.3 ln|x − y|, 2 × 12", log, kernel);
+    let slab = Slab::new(10.0).scattering(0.9);
+    let transport = Equation::new(slab.uniform(1.0), slab.clone());
+    let solve = || transport.solve(&Nystrom::graded(8, 12)).expect("a valid slab").evaluations();
+    beside(&mut group, "slab c = 0.9, a = 10, 8 × 12", solve, |x, y| slab.eval(&(10.0 * x), &(10.0 * y)));
+    group.finish();
+}
+
+/// A solve that tells its evaluations of the kernel, and as many of them alone.
+fn beside(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, solve: impl Fn() -> u64, kernel: impl Fn(f64, f64) -> f64) {
+    let values = solve();
     group.throughput(Throughput::Elements(values));
-    group.bench_function("Nyström, 2 × 12 graded", |b| b.iter(|| eq.solve(&rule).expect("a logarithm")));
-    group.bench_function("as many values of K", |b| {
+    group.bench_function(BenchmarkId::new("Nyström", name), |b| b.iter(&solve));
+    group.bench_function(BenchmarkId::new("as many values of K", name), |b| {
         b.iter(|| {
             let mut u = Pcg::new(black_box(1)).point(0, 0, 0);
             let x = u.next_1d();
-            (0..values).map(|i| kernel(x, i as f64 / values as f64)).sum::<f64>()
+            (0..values).map(|i| kernel(x, (i as f64 + 0.5) / values as f64)).sum::<f64>()
         });
     });
-    group.finish();
 }
 
 fn path(c: &mut Criterion) {

@@ -42,9 +42,10 @@ fn image(k: usize, (light, film): (&Light, &Film), n: u64, disk: f64) -> Result<
 /// A `.npy` file of 64 × 64 colours in single or double precision: 128 bytes, then the numbers.
 fn stored(file: &str) -> Option<Vec<f64>> {
     let read = |ending: &str| std::fs::read(Path::new(file).with_extension("").to_string_lossy().into_owned() + ending).ok();
-    let single = |bytes: Vec<u8>| bytes[128..].as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect();
-    let double = |bytes: Vec<u8>| bytes[128..].as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
-    read("_exact.npy").map(double).or_else(|| read(".npy").map(single))
+    let single =
+        |b: Vec<u8>| b.get(128..).unwrap_or_default().as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect();
+    let double = |b: Vec<u8>| b.get(128..).unwrap_or_default().as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
+    read("_exact.npy").map(double).or_else(|| read(".npy").map(single)).filter(|n: &Vec<f64>| n.len() == 3 * 64 * 64)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
