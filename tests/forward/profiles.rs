@@ -2,11 +2,12 @@
 
 use crate::common::{Budget, Reference, all_pass, slope};
 use crate::erased::Equation;
-use fredholm::Forward;
 use fredholm::deterministic::Nystrom;
 use fredholm::statistics::{Bias, Moments, Profile, Verdict};
 use fredholm::transport::Slab;
-use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed};
+use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed, Tally};
+use fredholm::{Forward, Walk};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// f = 1 + 3x/10: straight, so that every tally says it without bias (its own bias is of f″, or of degrees above 1).
 macro_rules! straight {
@@ -50,6 +51,20 @@ fn bands_cover_the_whole_curve() {
     let what = ["kernel tally", "histogram", "smoothed", "expansion"];
     all_pass(what.into_iter().zip(hits).map(|(what, hits)| budget.frequency(what, hits, RUNS, 0.94, 0.96)).collect::<Vec<_>>());
     assert!(pointwise < RUNS * 85 / 100, "intervals at single points would be no band: {pointwise} of {RUNS}");
+}
+
+/// The bumps of a smoothed profile are a detector like others: walks back from them find ∫ κ_x f, which is f(x) where f is straight, at the ends too.
+#[test]
+fn bumps_are_seen_from_both_sides() {
+    let mut budget = Budget::of("forward::bumps");
+    let (eq, xs) = (straight!(), [0.97, 0.02, 0.5]);
+    let detector = Smoothed::at(0.0..=1.0, &xs).plan(&eq, 1 << 10).unwrap().detector;
+    let found = eq.seen_by(&detector).solve(&Walk::collision().samples_per_cell(1 << 16)).unwrap();
+    let one = |(x, e): (&f64, &fredholm::Estimate)| {
+        let seen = (e.value, e.std_error.unwrap(), e.degrees_of_freedom as f64);
+        budget.mean(&format!("x = {x}"), seen, line(*x), 0.05)
+    };
+    all_pass(xs.iter().zip(&found).map(one).collect::<Vec<_>>());
 }
 
 /// Σ W_n K(x, Z_n) at 20 points against Nyström, one set of walks.
@@ -196,6 +211,16 @@ fn sources_that_are_hard_to_integrate() {
         let error = (f.values().iter().sum::<f64>() / 4.0 - integral).abs();
         assert!(error <= f.source_error() && (f.source_error() < 0.2 * integral || integral.is_infinite()), "{error} {}", f.source_error());
     }
+    // noise is given up, not pursued to the last bit
+    let asked = AtomicU64::new(0);
+    let noise = |x: f64| {
+        assert!(asked.fetch_add(1, Relaxed) < 1 << 20, "asked without end");
+        (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / 2f64.powi(53)
+    };
+    let eq = Equation::on_interval(0.0..=1.0, noise, |_, _| 0.0);
+    let f = eq.solve(&Forward::new().walks(256).profile(Histogram::new(0.0..=1.0, 4))).unwrap();
+    let error = (f.values().iter().sum::<f64>() / 4.0 - 0.5).abs();
+    assert!(error <= f.source_error() && f.source_error() > 1e-6, "{error} {}", f.source_error());
 }
 
 /// Unbiased but for the cut.
