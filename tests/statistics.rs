@@ -278,6 +278,8 @@ fn verdicts_say_what_is_unknown() {
     let exact = scores(|_| 2.5, 4096, 1);
     assert_eq!(format!("{exact}"), "2.5(0)");
     let eq = Equation::on_interval(0.0..=1.0, |x| x, |_, _| 0.5);
+    // no step was asked for: g(x) is the whole answer
+    assert_eq!(eq.at(0.5).solve(&Walk::fixed_depth(0)).unwrap().std_error, Some(0.0));
     let randomised = |replicates: u32| {
         let walk = Walk::collision().samples_per_cell(1 << 14).sequence(Sobol::new(1).replicates(replicates));
         eq.at(0.5).solve(&walk).unwrap().verdict()

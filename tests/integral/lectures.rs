@@ -165,6 +165,17 @@ fn a_technique_that_cannot_find_a_point_has_no_share() {
     );
 }
 
+/// An exact answer has an interval of no width, and is right to rounding.
+#[test]
+fn exact_answers_are_covered_to_rounding() {
+    for (c, off, hits) in [(3e9, 8.0, 5), (3e-9, 8.0, 5), (3e9, 32.0, 0), (3e-9, 32.0, 0)] {
+        let integral = Integral::on_interval(0.0..=1.0, move |_: f64| c);
+        let solve = |seed: u64| integral.solve(&Secondary::plain().samples(1024).seed(seed));
+        let coverage = Study::run(c * (1.0 + off * f64::EPSILON), 5, solve).unwrap().coverage(0.95);
+        assert_eq!((coverage.hits, coverage.trials), (hits, 5), "{c} {off}");
+    }
+}
+
 /// Whatever can be drawn from is a technique: its density divides and weighs, and predicts the variance.
 #[test]
 fn distributions_are_densities() {
