@@ -281,16 +281,17 @@ fn verdicts_say_what_is_unknown() {
 /// g(x) is added to every score of a walk from x: it must not hide a tail.
 #[test]
 fn a_constant_added_to_the_scores_hides_no_tail() {
-    let mut trusted = [0; 3];
+    let mut trusted = [0; 4];
     for seed in 0..100 {
-        for (count, index) in trusted.iter_mut().zip([1.5, 2.1, 6.0]) {
+        for (count, index) in trusted.iter_mut().zip([1.5, 2.0, 2.1, 6.0]) {
             let e = scores(move |u: f64| 3.0 + u.powf(-1.0 / index), 1 << 16, seed);
             let (shape, error) = e.tail.as_ref().unwrap().shape().unwrap();
             assert!((shape - 1.0 / index).abs() < 6.0 * error, "seed {seed}, index {index}: {shape} ± {error}");
             *count += u32::from(e.verdict() == Verdict::Trustworthy);
         }
     }
-    assert!(trusted[0] == 0 && trusted[1] < 30 && trusted[2] == 100, "{trusted:?}");
+    // of an index of 2.1 some 4 in 100 runs look like one above 3
+    assert!(trusted[0] == 0 && trusted[1] < 6 && trusted[2] < 12 && trusted[3] > 97, "{trusted:?}");
 }
 
 #[test]

@@ -32,11 +32,19 @@ pub(crate) fn determ(key: &str) -> Result<(), String> {
         }
         "d1" => {
             let k = |x: f64, y: f64| 0.2 / (x - y).abs().sqrt();
-            answer(&Equation::on_interval(0.0..=1.0, |_| 1.0, k), (0.0, 1.0), &graded(&[(2, 6, 8), (2, 8, 16), (2, 12, 24), (2, 16, 36)]));
+            answer(
+                &Equation::on_interval(0.0..=1.0, |_| 1.0, k),
+                (0.0, 1.0),
+                &graded(&[(2, 4, 5), (2, 6, 8), (2, 8, 16), (2, 12, 24), (2, 16, 36)]),
+            );
         }
         "d2" => {
             let k = |x: f64, y: f64| -0.3 * (x - y).abs().ln();
-            answer(&Equation::on_interval(0.0..=1.0, |_| 1.0, k), (0.0, 1.0), &graded(&[(2, 6, 6), (2, 8, 12), (2, 12, 16), (2, 16, 20)]));
+            answer(
+                &Equation::on_interval(0.0..=1.0, |_| 1.0, k),
+                (0.0, 1.0),
+                &graded(&[(2, 5, 4), (2, 6, 6), (2, 8, 12), (2, 12, 16), (2, 16, 20)]),
+            );
         }
         _ => return family(key),
     }
@@ -58,7 +66,7 @@ fn family(key: &str) -> Result<(), String> {
     {
         let slab = Slab::new(a).scattering(c);
         let panels = 2 + a.sqrt().ceil() as usize;
-        let methods = graded(&[(panels, 6, 6), (panels, 8, 12), (panels, 12, 16), (2 * panels, 16, 20)]);
+        let methods = graded(&[(panels, 4, 4), (panels, 6, 6), (panels, 8, 12), (panels, 12, 16), (2 * panels, 16, 20)]);
         answer(&Equation::new(slab.uniform(1.0), slab.clone()), (0.0, a), &methods);
         return Ok(());
     }

@@ -8,8 +8,8 @@ use crate::value::Value;
 
 /// Largest scores kept.
 const KEPT: usize = 256;
-/// Excesses that tell ξ to ± 0.1 or so.
-const FITTED: usize = 100;
+/// Excesses that tell ξ of exponential tails to ± 0.125.
+const FITTED: usize = 64;
 
 /// The largest |y| of all scores, exact and independent of how the work was split.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Tail {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Suspicion {
     None,
-    /// Infinite within one standard error.
+    /// Infinite within two standard errors.
     Possible,
     /// Infinite by two standard errors.
     Infinite,
@@ -115,9 +115,9 @@ impl Tail {
         }
         // weights rⁿ of walks of n steps are tied, and may yet have no variance: no index to be stated, but one to be doubted
         let lumps = if index.is_none() { self.large().and_then(|k| self.hill(k)) } else { None };
-        // of few excesses ξ is too uncertain to be held against the scores, unless it is itself too large
-        let most = |(xi, e): (f64, f64)| if self.judged() >= Some(FITTED) { xi + e } else { xi };
-        if index.or(lumps).is_some_and(|(a, e)| a - e < 2.0) || shape.is_some_and(|s| most(s) > 0.5) {
+        // of many scores a finite variance is asked to be plain, by two standard errors; of few, α and ξ are too uncertain to be held against the scores
+        let (of_index, of_shape) = if self.judged() >= Some(FITTED) { (2.0, 2.0) } else { (1.0, 0.0) };
+        if index.or(lumps).is_some_and(|(a, e)| a - of_index * e < 2.0) || shape.is_some_and(|(xi, e)| xi + of_shape * e > 0.5) {
             return Suspicion::Possible;
         }
         Suspicion::None
