@@ -131,8 +131,7 @@ fn of_many_walks_meet_what_is_not_finite() {
     let (bins, away, most) = (Bins::new(0.0..=1.0, 2), Bins::new(0.0..=0.5, 2), 1 << 20);
     for (what, eq) in [("NaN", &source), ("inf", &kernel)] {
         let (query, seen) = (eq.at(0.5), eq.seen_by(&bins));
-        let estimator = query.estimator(&Walk::collision()).unwrap();
-        let tally = seen.tally(&Forward::new()).unwrap();
+        let combined = |e| Combination::new().with(e).samples_per_cell(most).solve();
         for (i, result) in [
             query.solve(&Walk::collision().samples_per_cell(most)).map(drop),
             query.solve(&Walk::mis().samples_per_cell(most)).map(drop),
@@ -141,9 +140,9 @@ fn of_many_walks_meet_what_is_not_finite() {
             seen.solve(&Bidirectional::new().samples_per_cell(most)).map(drop),
             query.solve(&Bidirectional::new().samples_per_cell(most)).map(drop),
             query.strategies(&Bidirectional::new().samples_per_cell(most), 0, 2).map(drop),
-            Combination::new().with(&estimator).samples_per_cell(most).solve().map(drop),
+            query.estimator(&Walk::collision()).and_then(combined).map(drop),
             Debias::new(query.depths().unwrap()).survivors(Survivors::Geometric(0.5)).samples(most).solve().map(drop),
-            Metropolis::new().mutations(1 << 15).solve(&tally).map(drop),
+            seen.tally(&Forward::new()).and_then(|tally| Metropolis::new().mutations(1 << 15).solve(&tally)).map(drop),
             eq.solve(&Forward::new().walks(most).profile(Histogram::new(0.0..=1.0, 4))).map(drop),
             // nobody looks there
             eq.seen_by(&away).solve(&Forward::new().walks(most)).map(drop),
