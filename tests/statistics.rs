@@ -230,6 +230,18 @@ fn scores(g: impl Fn(f64) -> f64 + Send + Sync + Clone, walks: u64, seed: u64) -
         .unwrap()
 }
 
+/// The largest scores are the largest in any unit.
+#[test]
+fn units_change_no_tail() {
+    let scaled = |scale: f64| scores(move |u: f64| scale * u.powf(-0.4), 1 << 14, 3).tail.unwrap();
+    let one = scaled(1.0);
+    for power in [-30, -10, 10] {
+        let scale = 2f64.powi(power);
+        let largest: Vec<f64> = one.largest().iter().map(|y| scale * y).collect();
+        assert!(scaled(scale).largest() == largest && largest.len() == 256, "2^{power}");
+    }
+}
+
 #[test]
 fn heavy_tails_are_told_from_light_ones() {
     let mut wrong = [0; 4];

@@ -60,8 +60,8 @@ impl<D: Domain, V: Value, P: Primary<D, V>> Primary<D, V> for Roulette<P> {
         if xi >= self.survival {
             return V::ZERO;
         }
-        // the quotient may round to 1, and 0 < ξ/P always
-        let head = Some((xi / self.survival).min(1.0 - f64::EPSILON / 2.0));
+        // ξ < P, and so is the rounded quotient below 1: numbers below P are by P 2⁻⁵³ or more
+        let head = Some(xi / self.survival);
         self.primary.score(domain, f, &mut Headed { head, rest: u }).scale(1.0 / self.survival)
     }
 

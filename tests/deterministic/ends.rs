@@ -2,10 +2,10 @@
 
 use crate::adaptive::{Kernel, Source, holds};
 use crate::erased::{Equation, kernel_fn, source_fn};
-use fredholm::Error;
 use fredholm::deterministic::Nystrom;
 use fredholm::domain::{Domain, HalfLine, Interval, Line};
 use fredholm::special::e1;
+use fredholm::{Error, GroupMatrix, Spectrum, Value};
 use std::f64::consts::PI;
 
 const PLACES: [f64; 7] = [0.0, 1e-9, 1e-3, 0.21, 0.5, 0.93, 1.0];
@@ -40,6 +40,13 @@ fn columns_singular_inside_are_found() {
     holds("|y − 0.35|^−½", unit, &|_| 1.0, &|_, y| 0.1 * (y - 0.35).abs().powf(-0.5), 1e-9, &at_places(|_| root));
     let log = 1.0 / (1.0 - 0.2 * (0.77 * 0.77f64.ln() + 0.23 * 0.23f64.ln() - 1.0));
     holds("ln|y − 0.77|", unit, &|_| 1.0, &|_, y| 0.2 * (y - 0.77).abs().ln(), 1e-12, &at_places(|_| log));
+    // in one entry of a system, f = (1, 1)
+    let matrix = |_: f64, y: f64| GroupMatrix([[0.3, 0.0], [0.1 * (y - 0.35).abs().powf(-0.5), 0.2]]);
+    let g = move |_: f64| Spectrum([0.7, 0.8 - 0.2 * (0.35f64.sqrt() + 0.65f64.sqrt())]);
+    let f = Equation::on_interval(0.0..=1.0, g, matrix).solve(&Nystrom::adaptive().tolerance(1e-9)).unwrap();
+    for x in PLACES {
+        assert!((f.eval(x) - Spectrum([1.0, 1.0])).magnitude() < 1e-9, "{x}: {:?}", f.eval(x));
+    }
 }
 
 #[test]
@@ -133,8 +140,13 @@ fn refused<D: Domain<Point = f64>>(domain: D, g: Source<'_>, k: Kernel<'_>, tole
 
 #[test]
 fn sources_without_an_integral_are_named() {
-    let poles: [(f64, Source<'_>); 4] =
-        [(0.3, &|x| 1.0 / (x - 0.3)), (0.3, &|x| 1.0 + 1e-3 / (x - 0.3).abs().powf(1.5)), (0.0, &|x| 1.0 / x), (1.0, &|x| 1.0 / (1.0 - x))];
+    let poles: [(f64, Source<'_>); 5] = [
+        (0.3, &|x| 1.0 / (x - 0.3)),
+        (0.3, &|x| 1.0 + 1e-3 / (x - 0.3).abs().powf(1.5)),
+        (0.3, &|x| 1.0 + 1e-6 / (x - 0.3).abs()),
+        (0.0, &|x| 1.0 / x),
+        (1.0, &|x| 1.0 / (1.0 - x)),
+    ];
     for (place, g) in poles {
         let e = refused(Interval::from(0.0..=1.0), g, &|_, _| 0.5, 1e-8);
         let Error::SourceNotIntegrable { at, ratio } = &e else { panic!("{e}") };

@@ -2,11 +2,11 @@
 
 use crate::common::{Budget, Reference, all_pass, slope};
 use crate::erased::Equation;
-use fredholm::Forward;
 use fredholm::deterministic::Nystrom;
 use fredholm::statistics::{Bias, Moments, Profile, Verdict};
 use fredholm::transport::Slab;
-use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed};
+use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed, Tally};
+use fredholm::{Forward, Walk};
 
 /// f = 1 + 3x/10: straight, so that every tally says it without bias (its own bias is of f″, or of degrees above 1).
 macro_rules! straight {
@@ -50,6 +50,20 @@ fn bands_cover_the_whole_curve() {
     let what = ["kernel tally", "histogram", "smoothed", "expansion"];
     all_pass(what.into_iter().zip(hits).map(|(what, hits)| budget.frequency(what, hits, RUNS, 0.94, 0.96)).collect::<Vec<_>>());
     assert!(pointwise < RUNS * 85 / 100, "intervals at single points would be no band: {pointwise} of {RUNS}");
+}
+
+/// The bumps of a smoothed profile are a detector like others: walks back from them find ∫ κ_x f, which is f(x) where f is straight, at the ends too.
+#[test]
+fn bumps_are_seen_from_both_sides() {
+    let mut budget = Budget::of("forward::bumps");
+    let (eq, xs) = (straight!(), [0.97, 0.02, 0.5]);
+    let detector = Smoothed::at(0.0..=1.0, &xs).plan(&eq, 1 << 10).unwrap().detector;
+    let found = eq.seen_by(&detector).solve(&Walk::collision().samples_per_cell(1 << 16)).unwrap();
+    let one = |(x, e): (&f64, &fredholm::Estimate)| {
+        let seen = (e.value, e.std_error.unwrap(), e.degrees_of_freedom as f64);
+        budget.mean(&format!("x = {x}"), seen, line(*x), 0.05)
+    };
+    all_pass(xs.iter().zip(&found).map(one).collect::<Vec<_>>());
 }
 
 /// Σ W_n K(x, Z_n) at 20 points against Nyström, one set of walks.

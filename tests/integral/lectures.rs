@@ -4,6 +4,7 @@ use crate::common::{Budget, all_pass};
 use crate::stated;
 use fredholm::domain::{Cuboid, Disk, HalfLine, Line};
 use fredholm::integral::{Coefficient, Combined, Control, Density, Gauss, Integral, Plain, Secondary, Strata, Stratified, inverse, warp};
+use fredholm::sampling::distribution::Power;
 use fredholm::sampling::{Pcg, Sampler, Sequence};
 use fredholm::statistics::{Moments, Study, Verdict};
 use fredholm::walk::Heuristic;
@@ -162,6 +163,22 @@ fn a_technique_that_cannot_find_a_point_has_no_share() {
         integral.predict(&Secondary::combined(Combined::new(Heuristic::Balance).technique(half, 1)), &rule()).unwrap(),
         f64::INFINITY
     );
+}
+
+/// Whatever can be drawn from is a technique: its density divides and weighs, and predicts the variance.
+#[test]
+fn distributions_are_densities() {
+    let mut budget = Budget::of("integral::distributions");
+    let integral = Integral::on_interval(0.0..=1.0, |x: f64| x * x);
+    let square = || Power::new(1.0).unwrap();
+    let two = Combined::new(Heuristic::Balance).technique(square(), 1).technique(inverse(|u: f64| u, |_: &f64| 1.0), 1);
+    let e = integral.solve(&Secondary::combined(two).samples(N)).unwrap();
+    budget.mean("2x and 1", stated(&e), 1.0 / 3.0, 0.01).unwrap();
+    // p = 2x: ∫ x⁴/2x − 1/9
+    let alone = Secondary::importance(square()).samples(N);
+    let predicted = integral.predict(&alone, &rule()).unwrap() * N as f64;
+    assert!((predicted - 1.0 / 72.0).abs() < 1e-12, "{predicted}");
+    budget.mean("2x, variance", variance(&integral.solve(&alone).unwrap()), predicted, 0.1 * predicted).unwrap();
 }
 
 /// theory (2.2.6): J estimated from the same sample cancels; the exact J helps.
