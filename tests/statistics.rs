@@ -8,6 +8,7 @@ use common::{Budget, all_pass, student};
 use erased::Equation;
 use fredholm::detector::{Functional, Points};
 use fredholm::domain::Interval;
+use fredholm::sampling::Sobol;
 use fredholm::statistics::{Moments, Target, Verdict};
 use fredholm::walk::Roulette;
 use fredholm::{Estimate, Walk};
@@ -276,6 +277,12 @@ fn verdicts_say_what_is_unknown() {
     assert_eq!(good.verdict(), Verdict::Trustworthy);
     let exact = scores(|_| 2.5, 4096, 1);
     assert_eq!(format!("{exact}"), "2.5(0)");
+    let eq = Equation::on_interval(0.0..=1.0, |x| x, |_, _| 0.5);
+    let randomised = |replicates: u32| {
+        let walk = Walk::collision().samples_per_cell(1 << 14).sequence(Sobol::new(1).replicates(replicates));
+        eq.at(0.5).solve(&walk).unwrap().verdict()
+    };
+    assert_eq!([2, 3, 4].map(randomised), [Verdict::Doubtful, Verdict::Doubtful, Verdict::Trustworthy]);
     let single = scores(|u| u, 1, 1);
     assert_eq!((single.std_error, single.half_width(0.95), single.verdict()), (None, None, Verdict::Unmeasured));
     assert!(format!("{single}").ends_with("(?)"));
@@ -313,7 +320,9 @@ fn agreement_is_counted_in_standard_errors() {
     let s = e.std_error.unwrap();
     for sign in [-1.0, 1.0] {
         assert!(e.agrees_with(e.value + sign * 2.9 * s, 3.0) && !e.agrees_with(e.value + sign * 3.1 * s, 3.0), "{e}");
+        assert!((e.z_score(e.value - sign * 3.0 * s).unwrap() - sign * 3.0).abs() < 1e-9, "{e}");
     }
+    assert_eq!(scores(|_| 2.5, 4096, 1).z_score(2.0), None, "no error, no z");
 }
 
 /// Weights 1.5ⁿ of walks of n steps: scores are tied, the tail index is 1.26, and no run may be trusted.

@@ -7,6 +7,7 @@ use fredholm::statistics::{Bias, Moments, Profile, Verdict};
 use fredholm::transport::Slab;
 use fredholm::walk::{Expansion, Histogram, KernelTally, OwnAbsorption, Smoothed, Tally};
 use fredholm::{Forward, Walk};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// f = 1 + 3x/10: straight, so that every tally says it without bias (its own bias is of f″, or of degrees above 1).
 macro_rules! straight {
@@ -210,6 +211,16 @@ fn sources_that_are_hard_to_integrate() {
         let error = (f.values().iter().sum::<f64>() / 4.0 - integral).abs();
         assert!(error <= f.source_error() && (f.source_error() < 0.2 * integral || integral.is_infinite()), "{error} {}", f.source_error());
     }
+    // noise is given up, not pursued to the last bit
+    let asked = AtomicU64::new(0);
+    let noise = |x: f64| {
+        assert!(asked.fetch_add(1, Relaxed) < 1 << 20, "asked without end");
+        (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / 2f64.powi(53)
+    };
+    let eq = Equation::on_interval(0.0..=1.0, noise, |_, _| 0.0);
+    let f = eq.solve(&Forward::new().walks(256).profile(Histogram::new(0.0..=1.0, 4))).unwrap();
+    let error = (f.values().iter().sum::<f64>() / 4.0 - 0.5).abs();
+    assert!(error <= f.source_error() && f.source_error() > 1e-6, "{error} {}", f.source_error());
 }
 
 /// Unbiased but for the cut.
