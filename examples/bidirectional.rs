@@ -39,11 +39,11 @@ fn option(name: &str, default: u64) -> u64 {
 }
 
 fn main() -> Result<(), Error> {
+    sigpipe::reset();
     let n = option("--samples", 1 << 16);
     let end = Roulette::constant(0.8);
     let (back, event) = (Walk::collision().roulette(end).samples_per_cell(n), Walk::mis().roulette(end).samples_per_cell(n));
-    let forth = Forward::new().roulette(end).walks(n);
-    let both = Bidirectional::new().roulette(end).samples_per_cell(n);
+    let (forth, both) = (Forward::new().roulette(end).walks(n), Bidirectional::new().roulette(end).samples_per_cell(n));
     let names = ["collisions", "next event, MIS", "forward", "bidirectional", "its maximum", "its optimum"];
     let mut lines: [Vec<(f64, f64)>; 6] = Default::default();
     println!("{:>8}{}", "w", names.map(|name| format!("{name:>18}")).concat());

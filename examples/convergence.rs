@@ -40,11 +40,11 @@ fn errors(samples: u64, repetitions: u64, solve: Solve<'_>) -> Result<Vec<Point>
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    sigpipe::reset();
     let (samples, repetitions) = (option("--samples", 1 << 16), option("--repetitions", 100).max(1));
     let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, y: f64| 0.5 * (-(x - y).abs()).exp());
     let tabulated = eq.clone().tabulated(64)?;
-    let (uniform, tabulated) = (eq.at(0.5), tabulated.at(0.5));
-    let roulette = Roulette::constant(0.5);
+    let (uniform, tabulated, roulette) = (eq.at(0.5), tabulated.at(0.5), Roulette::constant(0.5));
     let methods: [(&str, Solve<'_>); 6] = [
         ("collision", &|n, seed| uniform.solve(&Walk::collision().samples_per_cell(n).seed(seed))),
         ("absorption, P = ½", &|n, seed| uniform.solve(&Walk::absorption().roulette(roulette).samples_per_cell(n).seed(seed))),
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     by_samples.save("target/plots/convergence-samples.svg")?;
     by_time.save("target/plots/convergence-time.svg")?;
-    std::fs::write("target/plots/convergence.csv", csv)?;
+    std::fs::write("target/plots/convergence.csv", csv).map_err(|e| format!("target/plots/convergence.csv: {e}"))?;
     println!("wrote target/plots/convergence-samples.svg, convergence-time.svg, convergence.csv");
     Ok(())
 }

@@ -48,24 +48,24 @@ where
 {
     let bar = ProgressBar::new(1000).with_style(ProgressStyle::with_template("{prefix:10} {bar:40} {percent:>3} %  {msg}")?);
     bar.set_prefix(name.to_string());
-    let (clock, equation, mut points) = (Instant::now(), scene.light_transport(), Vec::new());
+    let (clock, equation, mut points, mut written) = (Instant::now(), scene.light_transport(), Vec::new(), Ok(()));
     for round in equation.seen_by(film).rounds(&walk)? {
         let round = round?;
         let (seconds, error) = (clock.elapsed().as_secs_f64(), round.estimates.relative_error().unwrap_or(f64::NAN));
         points.push((seconds, error));
         bar.set_position((1000.0 * round.fraction) as u64);
         bar.set_message(format!("{} walks a pixel, error {:.2} %", round.samples, 100.0 * error));
-        round.estimates.write_png(format!("target/plots/cornell-{name}.png"))?;
-        round.estimates.write_exr(format!("target/plots/cornell-{name}.exr"))?;
+        let exr = round.estimates.write_exr(format!("target/plots/cornell-{name}.exr"));
+        written = exr.and(round.estimates.write_png(format!("target/plots/cornell-{name}.png")).map(drop));
     }
     bar.finish();
     let (seconds, error) = points.last().copied().ok_or("no walks")?;
     println!("{name:10} {seconds:.2} s, relative error of a pixel {:.2} %", 100.0 * error);
-    Ok(points)
+    Ok(written.map(|()| points)?)
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    std::fs::create_dir_all("target/plots")?;
+    sigpipe::reset();
     let (size, samples) = (option("--size", 256) as usize, option("--samples", 256));
     let scene = cornell()?;
     let film = scene.film(Camera::look_at([278.0, 273.0, -800.0], [278.0, 273.0, 0.0]).field_of_view(39.3), size, size);

@@ -49,12 +49,12 @@ fn stored(file: &str) -> Option<Vec<f64>> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    sigpipe::reset();
     let option = |name: &str| std::env::args().skip_while(|a| a != name).nth(1).map(|v| v.parse::<f64>());
     let file = std::env::args().nth(1).unwrap_or_else(|| "tests/data/scenes/cornell.gltf".into());
     let (seconds, disk) = (option("--seconds").unwrap_or(Ok(4.0))?, option("--disk").unwrap_or(Ok(10.0))?);
     let loaded = scene::load(&file)?;
-    let camera = loaded.cameras.first().ok_or("the file has no camera")?.0;
-    let scene = loaded.builder.build()?;
+    let (camera, scene) = (loaded.cameras.first().ok_or("the file has no camera")?.0, loaded.builder.build()?);
     let (light, film) = (scene.light_transport(), scene.film(camera, 64, 64));
     let values = |p: &Picture| p.pixels().iter().flat_map(|p| p.value.0).collect::<Vec<f64>>();
     let truth = stored(&file).map_or_else(|| image(3, (&light, &film), 1 << 12, disk).map(|p| values(&p)), Ok)?;
@@ -74,9 +74,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         plot = plot.series(method, points);
     }
-    std::fs::create_dir_all("target/plots")?;
-    std::fs::write(format!("target/plots/methods-{name}.csv"), table)?;
-    plot.save(format!("target/plots/methods-{name}.png"))?;
+    let (picture, csv) = (format!("target/plots/methods-{name}.png"), format!("target/plots/methods-{name}.csv"));
+    plot.save(picture)?;
+    std::fs::write(&csv, table).map_err(|e| format!("{csv}: {e}"))?;
     println!("wrote target/plots/methods-{name}.png and methods-{name}.csv");
     Ok(())
 }

@@ -58,12 +58,12 @@ impl SampleSource for Glow {
 }
 
 fn main() -> Result<(), Error> {
+    sigpipe::reset();
     let n = std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("a whole number"));
     let eq = Equation::new(Glow, Flight(Interval::from(0.0..=1.0)));
     // does it keep its laws? a broken one would be named, with the place and the numbers
     println!("equation: {}", check::equation(&eq, check::Settings::default())?);
     println!("row mass: {}\n", check::row_mass(eq.kernel(), check::Settings::default())?);
-
     let methods: [(&str, &dyn Method<_, _, _, Solution = Estimate>); 5] = [
         ("collision", &Walk::collision().samples_per_cell(n)),
         ("absorption", &Walk::absorption().samples_per_cell(n)),

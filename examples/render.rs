@@ -16,6 +16,7 @@ fn option<T: FromStr>(name: &str, default: T) -> T {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    sigpipe::reset();
     let file = std::env::args().nth(1).unwrap_or_else(|| "tests/data/scenes/cornell.gltf".into());
     let mut loaded = scene::load(&file)?;
     println!("{file}: {}", loaded.report);
@@ -53,8 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     bar.abandon();
     let image = image.ok_or("no walks were asked for")?;
-    std::fs::create_dir_all("target/plots")?;
     let name = Path::new(&file).file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+    println!("mean error of a pixel {:.2} %", 100.0 * image.relative_error().unwrap_or(f64::NAN));
     let clipped = image.write_png(format!("target/plots/{name}.png"))?;
     image.write_exr(format!("target/plots/{name}.exr"))?;
     println!("wrote target/plots/{name}.png ({clipped} pixels outside [0, 1]) and {name}.exr");

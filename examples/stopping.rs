@@ -15,6 +15,7 @@ fn option<T: FromStr>(name: &str, default: T) -> T {
 }
 
 fn main() -> Result<(), Box<dyn error::Error>> {
+    sigpipe::reset();
     let g = |x: f64| (-x).exp() - 0.5 + 0.5 * (-(x + 1.0)).exp();
     let eq = Equation::on_interval(0.0..=1.0, g, |x: f64, y: f64| 0.5 * (x + 1.0) * (-x * y).exp());
     let (query, walk) = (eq.at(0.5), Walk::next_event().samples_per_cell(option("--samples", 1 << 24)));
@@ -27,14 +28,14 @@ fn main() -> Result<(), Box<dyn error::Error>> {
         println!("round {}: f(½) = {}", round.number, round.estimates);
     }
     let file = "target/plots/stopping.json";
-    fs::create_dir_all("target/plots")?;
+    let (state, at) = (serde_json::to_string_pretty(&rounds.checkpoint())?, |e| format!("{file}: {e}"));
+    fs::create_dir_all("target/plots").map_err(at)?;
     // written beside and renamed: whenever the program is killed, a whole state is there
-    fs::write("target/plots/stopping.part", serde_json::to_string_pretty(&rounds.checkpoint())?)?;
-    fs::rename("target/plots/stopping.part", file)?;
+    fs::write("target/plots/stopping.part", state).and_then(|()| fs::rename("target/plots/stopping.part", file)).map_err(at)?;
     println!("interrupted; state saved in {file}");
 
     // perhaps on another day: read the state and go on until the interval is short enough
-    let saved = serde_json::from_str(&fs::read_to_string(file)?)?;
+    let saved = serde_json::from_str(&fs::read_to_string(file).map_err(at)?)?;
     let bar = ProgressBar::new(1000).with_style(ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}")?);
     let mut answer = None;
     for round in query.rounds(&walk)?.resume(saved)? {

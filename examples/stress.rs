@@ -17,6 +17,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 fn main() -> ExitCode {
+    sigpipe::reset();
     let small = std::env::args().any(|a| a == "--small");
     let out = std::env::args().skip_while(|a| a != "--out").nth(1);
     let scale = if small { Scale::TEST } else { Scale::FULL };

@@ -412,6 +412,11 @@ impl Error {
         Error::Invalid { parameter, value, requirement }
     }
 
+    /// Refuses what would have to be held in memory beyond all bounds: an allocation that fails ends the program.
+    pub(crate) fn held(parameter: &'static str, count: u64) -> Result<(), Self> {
+        if count > 1 << 26 { Err(Error::invalid(parameter, count as f64, "must be at most 2^26: all are held in memory")) } else { Ok(()) }
+    }
+
     /// A kernel value that is NaN or infinite, with the place.
     pub(crate) fn non_finite_kernel<X: std::fmt::Debug, W: std::fmt::Debug>(x: &X, y: &X, value: &W) -> Self {
         Error::NonFiniteKernel { x: format!("{x:?}"), y: format!("{y:?}"), value: format!("{value:?}") }

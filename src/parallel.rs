@@ -2,6 +2,7 @@
 //!
 //! Threads are compiled once, in this crate: what differs from task to task hides behind a vtable, one indirect call a task, and results go into slots.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// `f(0), …, f(count − 1)`, in order, on all cores if the feature `parallel` is on. Floating-point sums happen elsewhere, serially.
@@ -11,13 +12,31 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Send + Sync) -
         return (0..count).map(f).collect();
     }
     let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    let panicked = AtomicBool::new(false);
     each(count, &|i| {
+        // a panic is passed on when all tasks have come to their ends: those that have not begun would only panic too
+        if panicked.load(Ordering::Relaxed) {
+            return;
+        }
+        let alarm = Alarm(&panicked);
         let found = Some(f(i));
+        drop(alarm);
         // nobody else asks for this slot
         *slots[i].lock().unwrap_or_else(PoisonError::into_inner) = found;
     });
     let result = |slot: Mutex<Option<T>>| slot.into_inner().unwrap_or_else(PoisonError::into_inner);
     slots.into_iter().map(|slot| result(slot).expect("every task has run")).collect()
+}
+
+/// Remembers that a panic passed by.
+struct Alarm<'a>(&'a AtomicBool);
+
+impl Drop for Alarm<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
 }
 
 /// The same for many short tasks, in runs of them.

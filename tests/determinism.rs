@@ -140,6 +140,30 @@ fn a_resumed_run_is_the_uninterrupted_one() {
     }
 }
 
+/// Scores whose fourth powers overflow, and values of several components, are read again as they were written.
+#[cfg(feature = "serde")]
+#[test]
+fn states_of_any_value_can_be_stored() {
+    let huge = Equation::on_interval(0.0..=1.0, |x: f64| 1e100 * (1.0 + x), |x: f64, y: f64| 0.5 * x * y);
+    let colours = Equation::on_interval(0.0..=1.0, |x: f64| Spectrum([x, 1.0, 2.0]), |x: f64, y: f64| Spectrum([0.5 * x * y, 0.2, 1e-3]));
+    let walk = Walk::collision().samples_per_cell(8192);
+    macro_rules! resumed {
+        ($eq:expr) => {{
+            let (eq, query) = (&$eq, $eq.at(0.5));
+            let mut rounds = query.rounds(&walk).unwrap();
+            rounds.next().unwrap().unwrap();
+            let text = serde_json::to_string(&rounds.checkpoint()).unwrap();
+            let again = query.rounds(&walk).unwrap().resume(serde_json::from_str(&text).unwrap()).unwrap();
+            (again.last().unwrap().unwrap().estimates, eq.at(0.5).solve(&walk).unwrap())
+        }};
+    }
+    let (a, b) = resumed!(huge);
+    assert!(!a.moments.m4.is_finite() && a.value.is_finite());
+    assert_eq!((a.value, a.std_error, a.steps, a.moments.m2), (b.value, b.std_error, b.steps, b.moments.m2));
+    let (a, b) = resumed!(colours);
+    assert_eq!((a.value, a.std_error, a.moments), (b.value, b.std_error, b.moments));
+}
+
 /// run(2N) = run(N) + checkpoint + run(N), at sizes that rounds can reach.
 #[test]
 fn a_larger_budget_goes_on_where_the_smaller_ended() {

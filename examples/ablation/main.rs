@@ -22,6 +22,7 @@ fn time((scene, film): &(Scene, Film), wasteful: bool, walk: &Walk<Mis>) -> Resu
 }
 
 fn main() -> Result<(), Error> {
+    sigpipe::reset();
     let mut arguments = std::env::args().skip_while(|a| a != "--samples");
     let walk = Walk::mis().samples_per_cell(arguments.nth(1).and_then(|a| a.parse().ok()).unwrap_or(256));
     println!("skipped,s without,s with,ratio,rays,shadow rays,blocked,never tried,faced away,dark");

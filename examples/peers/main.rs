@@ -90,6 +90,7 @@ fn answer(arguments: &[&str]) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
+    sigpipe::reset();
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match answer(&arguments) {

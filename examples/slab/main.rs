@@ -63,6 +63,7 @@ fn run(options: &Options, slab: &Slab) -> Result<(), Error> {
 }
 
 fn main() -> ExitCode {
+    sigpipe::reset();
     let result = Options::parse(std::env::args().skip(1)).and_then(|options| {
         let slab = Slab::new(options.thickness).scattering(options.ratio);
         run(&options, &slab).map_err(|e| e.to_string())

@@ -30,6 +30,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    sigpipe::reset();
     let options = match Options::parse(std::env::args().skip(1)) {
         Ok(options) => options,
         Err(message) => {
@@ -88,14 +89,20 @@ fn run(options: &Options) -> Result<Tally, String> {
         }
     }
     if let Some(path) = &options.csv {
-        report::write_csv(path, &lines, &judge).map_err(|e| format!("{}: {e}", path.display()))?;
+        report::csv(&lines, &judge).and_then(|csv| replace(path, &csv)).map_err(|e| format!("{}: {e}", path.display()))?;
         println!("all numbers: {}", path.display());
     }
     if let Some(path) = &options.plot {
-        plot::errors(path, &lines).map_err(|e| format!("{}: {e}", path.display()))?;
+        plot::errors(&lines).and_then(|svg| Ok(replace(path, svg.as_bytes())?)).map_err(|e| format!("{}: {e}", path.display()))?;
         println!("errors of all methods: {}", path.display());
     }
     Ok(tally)
+}
+
+/// Written beside and renamed: whenever the program is killed, the old file or the whole new one is there.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let part = path.with_extension("part");
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path))
 }
 
 /// The files given, and the `*.json` of folders in alphabetical order.

@@ -2,7 +2,7 @@
 
 use crate::report::Line;
 use plotters::prelude::*;
-use std::path::Path;
+use plotters::style::register_font;
 
 /// Largest |value − reference|/|reference| of each line.
 fn relative_error(line: &Line) -> Option<f64> {
@@ -12,7 +12,10 @@ fn relative_error(line: &Line) -> Option<f64> {
 }
 
 /// log₁₀ of the error against the number of the file, one colour a method.
-pub(crate) fn errors(path: &Path, lines: &[Line]) -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn errors(lines: &[Line]) -> Result<String, Box<dyn std::error::Error>> {
+    // the font that is compiled in: no other is looked for
+    register_font("sans-serif", FontStyle::Normal, dejavu::sans::regular()).map_err(|_| "the font cannot be read")?;
+    let mut svg = String::new();
     let mut files: Vec<&str> = Vec::new();
     let mut methods: Vec<&str> = Vec::new();
     for line in lines {
@@ -23,7 +26,7 @@ pub(crate) fn errors(path: &Path, lines: &[Line]) -> Result<(), Box<dyn std::err
             methods.push(line.outcome.method);
         }
     }
-    let root = SVGBackend::new(path, (1200, 600)).into_drawing_area();
+    let root = SVGBackend::with_string(&mut svg, (1200, 600)).into_drawing_area();
     root.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&root)
         .caption("largest relative error", ("sans-serif", 20))
@@ -45,5 +48,6 @@ pub(crate) fn errors(path: &Path, lines: &[Line]) -> Result<(), Box<dyn std::err
     }
     chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
     root.present()?;
-    Ok(())
+    drop((chart, root));
+    Ok(svg)
 }

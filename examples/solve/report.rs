@@ -3,7 +3,6 @@
 use crate::options::Options;
 use fredholm::statistics::student_quantile;
 use std::io::Write;
-use std::path::Path;
 
 /// A number found, and the one known.
 #[derive(Clone, Debug)]
@@ -196,8 +195,8 @@ impl Tally {
 }
 
 /// Every number of every line.
-pub(crate) fn write_csv(path: &Path, lines: &[Line], judge: &Judge) -> std::io::Result<()> {
-    let mut out = std::io::BufWriter::new(std::fs::File::create(path)?);
+pub(crate) fn csv(lines: &[Line], judge: &Judge) -> std::io::Result<Vec<u8>> {
+    let mut out = Vec::new();
     writeln!(out, "file,class,method,place,value,error,bias bound,reference,difference,share of allowed,evaluations,seconds,verdict,note")?;
     let quote = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     for line in lines {
@@ -233,5 +232,5 @@ pub(crate) fn write_csv(path: &Path, lines: &[Line], judge: &Judge) -> std::io::
             )?;
         }
     }
-    out.flush()
+    Ok(out)
 }

@@ -34,6 +34,7 @@ use fredholm::{Equation, Walk};
 use options::{Options, Scenes};
 use peers::Peers;
 use problem::Problem;
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -76,14 +77,20 @@ fn study(options: &Options) -> Result<Vec<Problem>, String> {
 /// All tables anew, and the pictures of the last problem.
 fn write(options: &Options, problems: &[Problem]) -> Result<(), String> {
     let folder = &options.out;
-    let at = |e: &dyn std::fmt::Display| format!("{}: {e}", folder.display());
-    std::fs::create_dir_all(folder).map_err(|e| at(&e))?;
-    std::fs::write(folder.join("study.csv"), report::csv(problems)).map_err(|e| at(&e))?;
-    std::fs::write(folder.join("study.md"), report::table(problems)).map_err(|e| at(&e))?;
-    problems.last().map_or(Ok(()), |p| report::plots(p, folder)).map_err(|e| at(&e))
+    std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    replace(&folder.join("study.csv"), &report::csv(problems))?;
+    replace(&folder.join("study.md"), &report::table(problems))?;
+    problems.last().map_or(Ok(()), |p| report::plots(p, folder)).map_err(|e| e.to_string())
+}
+
+/// Written beside and renamed: whenever the program is killed, a whole table is there.
+fn replace(path: &Path, text: &str) -> Result<(), String> {
+    let part = path.with_extension("part");
+    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, path)).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn main() -> ExitCode {
+    sigpipe::reset();
     let run = || {
         let options = Options::parse(std::env::args().skip(1))?;
         let problems = study(&options)?;

@@ -4,6 +4,7 @@ use super::Settings;
 use super::report::{Law, Report};
 use super::sampled::{Draw, Total, Words, compare, tests_a_place};
 use super::tester::Tester;
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{Absorbing, Density, HasDomain, Proposal, TransitionPdf};
@@ -15,23 +16,25 @@ use crate::source::SampleSource;
 /// # Errors
 /// [`Error::Invalid`] for settings or domains outside their range.
 pub fn density<K: TransitionPdf + HasDomain>(kernel: &K, settings: Settings) -> Result<Report, Error> {
-    let domain = kernel.domain();
-    let mut tester = tester(settings, domain)?;
-    let words = Words { total: Total::Survival, draw: "the step", pdf: "pdf(x, y)" };
-    for (i, x) in tester.places(domain).into_iter().enumerate() {
-        let draw = |mut u: &mut dyn crate::sampling::Sampler| match kernel.step(&x, &mut u) {
-            None => Draw::Nothing,
-            Some(step) => match step.density() {
-                Density::Singular => Draw::Singular,
-                Density::Known(stated) => Draw::Point { point: step.point(), stated },
-                // stated by `pdf` itself: the χ² test below is what checks it
-                Density::Deferred(factor) => Draw::Point { point: step.point(), stated: factor * kernel.pdf(&x, &step.point()) },
-                Density::Unstated => Draw::Point { point: step.point(), stated: f64::NAN },
-            },
-        };
-        compare(&mut tester, domain, (i, &x), &words, draw, |y| kernel.pdf(&x, y));
-    }
-    Ok(tester.finish())
+    contained(|| {
+        let domain = kernel.domain();
+        let mut tester = tester(settings, domain)?;
+        let words = Words { total: Total::Survival, draw: "the step", pdf: "pdf(x, y)" };
+        for (i, x) in tester.places(domain).into_iter().enumerate() {
+            let draw = |mut u: &mut dyn crate::sampling::Sampler| match kernel.step(&x, &mut u) {
+                None => Draw::Nothing,
+                Some(step) => match step.density() {
+                    Density::Singular => Draw::Singular,
+                    Density::Known(stated) => Draw::Point { point: step.point(), stated },
+                    // stated by `pdf` itself: the χ² test below is what checks it
+                    Density::Deferred(factor) => Draw::Point { point: step.point(), stated: factor * kernel.pdf(&x, &step.point()) },
+                    Density::Unstated => Draw::Point { point: step.point(), stated: f64::NAN },
+                },
+            };
+            compare(&mut tester, domain, (i, &x), &words, draw, |y| kernel.pdf(&x, y));
+        }
+        Ok(tester.finish())
+    })
 }
 
 /// Laws of [`Proposal`]: weight = 1/pdf, ∫ pdf(x, y) dμ(y) = 1, the points follow it (χ²).
@@ -49,16 +52,18 @@ pub fn density<K: TransitionPdf + HasDomain>(kernel: &K, settings: Settings) -> 
 /// # Errors
 /// [`Error::Invalid`] for settings or domains outside their range.
 pub fn proposal<D: Domain, P: Proposal<D::Point>>(proposal: &P, domain: &D, settings: Settings) -> Result<Report, Error> {
-    let mut tester = tester(settings, domain)?;
-    let words = Words { total: Total::One, draw: "sample", pdf: "pdf(x, y)" };
-    for (i, x) in tester.places(domain).into_iter().enumerate() {
-        let draw = |mut u: &mut dyn crate::sampling::Sampler| {
-            let n = proposal.sample(&x, &mut u);
-            Draw::Point { point: n.point, stated: 1.0 / n.weight }
-        };
-        compare(&mut tester, domain, (i, &x), &words, draw, |y| proposal.pdf(&x, y));
-    }
-    Ok(tester.finish())
+    contained(|| {
+        let mut tester = tester(settings, domain)?;
+        let words = Words { total: Total::One, draw: "sample", pdf: "pdf(x, y)" };
+        for (i, x) in tester.places(domain).into_iter().enumerate() {
+            let draw = |mut u: &mut dyn crate::sampling::Sampler| {
+                let n = proposal.sample(&x, &mut u);
+                Draw::Point { point: n.point, stated: 1.0 / n.weight }
+            };
+            compare(&mut tester, domain, (i, &x), &words, draw, |y| proposal.pdf(&x, y));
+        }
+        Ok(tester.finish())
+    })
 }
 
 /// Laws of [`SampleSource`]: weight = 1/pdf_for, ∫ pdf_for(x, y) dμ(y) = 1, the points follow it (χ²). Places x from which nothing is ever
@@ -67,16 +72,18 @@ pub fn proposal<D: Domain, P: Proposal<D::Point>>(proposal: &P, domain: &D, sett
 /// # Errors
 /// [`Error::Invalid`] for settings or domains outside their range.
 pub fn source<D: Domain, G: SampleSource<Point = D::Point>>(source: &G, domain: &D, settings: Settings) -> Result<Report, Error> {
-    let mut tester = tester(settings, domain)?;
-    let words = Words { total: Total::One, draw: "sample_for", pdf: "pdf_for(x, y)" };
-    for (i, x) in tester.places(domain).into_iter().enumerate() {
-        let draw = |mut u: &mut dyn crate::sampling::Sampler| match source.sample_for(&x, &mut u) {
-            None => Draw::Nothing,
-            Some(n) => Draw::Point { point: n.point, stated: 1.0 / n.weight },
-        };
-        compare(&mut tester, domain, (i, &x), &words, draw, |y| source.pdf_for(&x, y));
-    }
-    Ok(tester.finish())
+    contained(|| {
+        let mut tester = tester(settings, domain)?;
+        let words = Words { total: Total::One, draw: "sample_for", pdf: "pdf_for(x, y)" };
+        for (i, x) in tester.places(domain).into_iter().enumerate() {
+            let draw = |mut u: &mut dyn crate::sampling::Sampler| match source.sample_for(&x, &mut u) {
+                None => Draw::Nothing,
+                Some(n) => Draw::Point { point: n.point, stated: 1.0 / n.weight },
+            };
+            compare(&mut tester, domain, (i, &x), &words, draw, |y| source.pdf_for(&x, y));
+        }
+        Ok(tester.finish())
+    })
 }
 
 fn tester<D: Domain>(settings: Settings, domain: &D) -> Result<Tester, Error> {
@@ -88,22 +95,24 @@ fn tester<D: Domain>(settings: Settings, domain: &D) -> Result<Tester, Error> {
 /// # Errors
 /// [`Error::Invalid`] for settings or domains outside their range.
 pub fn absorption<K: Absorbing + HasDomain>(kernel: &K, settings: Settings) -> Result<Report, Error> {
-    let domain = kernel.domain();
-    let mut tester = Tester::new(settings, domain, settings.places.max(domain.states()))?;
-    for (i, x) in tester.places(domain).into_iter().enumerate() {
-        let stated = kernel.absorption(&x);
-        let none = (0..tester.samples()).filter(|index| kernel.step(&x, &mut tester.random(i, *index)).is_none()).count() as u64;
-        let frequency = none as f64 / tester.samples() as f64;
-        let at = format!("x = {x:?}");
-        if !(0.0..=1.0).contains(&stated) {
-            tester.blame(Law::Absorption, at, stated, frequency, format!("absorption(x) = {stated} is no probability"));
-        } else if kernel.never_absorbs() && (none > 0 || stated > 0.0) {
-            let message = format!("never_absorbs() is true, but absorption(x) = {stated} and {frequency:.4} of the steps are None");
-            tester.blame(Law::Absorption, at, stated, frequency, message);
-        } else if tester.frequency(none, tester.samples(), stated - 1e-12, stated + 1e-12) {
-            let message = format!("absorption(x) = {stated:.6}, but {frequency:.4} of {} steps are None", tester.samples());
-            tester.blame(Law::Absorption, at, stated, frequency, message);
+    contained(|| {
+        let domain = kernel.domain();
+        let mut tester = Tester::new(settings, domain, settings.places.max(domain.states()))?;
+        for (i, x) in tester.places(domain).into_iter().enumerate() {
+            let stated = kernel.absorption(&x);
+            let none = (0..tester.samples()).filter(|index| kernel.step(&x, &mut tester.random(i, *index)).is_none()).count() as u64;
+            let frequency = none as f64 / tester.samples() as f64;
+            let at = format!("x = {x:?}");
+            if !(0.0..=1.0).contains(&stated) {
+                tester.blame(Law::Absorption, at, stated, frequency, format!("absorption(x) = {stated} is no probability"));
+            } else if kernel.never_absorbs() && (none > 0 || stated > 0.0) {
+                let message = format!("never_absorbs() is true, but absorption(x) = {stated} and {frequency:.4} of the steps are None");
+                tester.blame(Law::Absorption, at, stated, frequency, message);
+            } else if tester.frequency(none, tester.samples(), stated - 1e-12, stated + 1e-12) {
+                let message = format!("absorption(x) = {stated:.6}, but {frequency:.4} of {} steps are None", tester.samples());
+                tester.blame(Law::Absorption, at, stated, frequency, message);
+            }
         }
-    }
-    Ok(tester.finish())
+        Ok(tester.finish())
+    })
 }

@@ -3,6 +3,7 @@
 use super::Settings;
 use super::report::{Law, Report};
 use super::tester::Tester;
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -67,24 +68,26 @@ where
     K: Kernel + TransitionPdf + HasDomain + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
 {
-    let (kernel, source) = (equation.kernel(), equation.source());
-    let tester = Tester::new(settings, kernel.domain(), 1)?;
-    let points = points(kernel.domain(), tester.seed());
-    let coupled = coupled(kernel, &points);
-    let lit = lit(source, &points, &coupled);
-    holes(
-        tester,
-        &points,
-        &coupled,
-        &lit,
-        |x, y| kernel.pdf(x, y),
-        |x, y| {
-            format!(
-                "pdf(x, y) = 0, but K(x, y) = {:?} and what is seen from y is not 0: no walk can go there, which is a bias",
-                kernel.eval(x, y)
-            )
-        },
-    )
+    contained(|| {
+        let (kernel, source) = (equation.kernel(), equation.source());
+        let tester = Tester::new(settings, kernel.domain(), 1)?;
+        let points = points(kernel.domain(), tester.seed());
+        let coupled = coupled(kernel, &points);
+        let lit = lit(source, &points, &coupled);
+        holes(
+            tester,
+            &points,
+            &coupled,
+            &lit,
+            |x, y| kernel.pdf(x, y),
+            |x, y| {
+                format!(
+                    "pdf(x, y) = 0, but K(x, y) = {:?} and what is seen from y is not 0: no walk can go there, which is a bias",
+                    kernel.eval(x, y)
+                )
+            },
+        )
+    })
 }
 
 /// pdf_for(x, y) > 0 wherever K(x, y) g(y) ≠ 0: otherwise next event is biased, silently.
@@ -97,25 +100,27 @@ where
     K: Kernel + HasDomain + Operator<Point = G::Point>,
     K::Weight: Weight<Value = G::Value>,
 {
-    let (kernel, source) = (equation.kernel(), equation.source());
-    let tester = Tester::new(settings, kernel.domain(), 1)?;
-    let points = points(kernel.domain(), tester.seed());
-    let coupled = coupled(kernel, &points);
-    let bright: Vec<bool> = points.iter().map(|y| source.eval(y).map(f64::abs) != G::Value::ZERO).collect();
-    holes(
-        tester,
-        &points,
-        &coupled,
-        &bright,
-        |x, y| source.pdf_for(x, y),
-        |x, y| {
-            format!(
-                "pdf_for(x, y) = 0, but K(x, y) = {:?} and g(y) = {:?}: next event never sees it, which is a bias",
-                kernel.eval(x, y),
-                source.eval(y)
-            )
-        },
-    )
+    contained(|| {
+        let (kernel, source) = (equation.kernel(), equation.source());
+        let tester = Tester::new(settings, kernel.domain(), 1)?;
+        let points = points(kernel.domain(), tester.seed());
+        let coupled = coupled(kernel, &points);
+        let bright: Vec<bool> = points.iter().map(|y| source.eval(y).map(f64::abs) != G::Value::ZERO).collect();
+        holes(
+            tester,
+            &points,
+            &coupled,
+            &bright,
+            |x, y| source.pdf_for(x, y),
+            |x, y| {
+                format!(
+                    "pdf_for(x, y) = 0, but K(x, y) = {:?} and g(y) = {:?}: next event never sees it, which is a bias",
+                    kernel.eval(x, y),
+                    source.eval(y)
+                )
+            },
+        )
+    })
 }
 
 fn holes<X: crate::domain::Point>(

@@ -4,6 +4,7 @@ use super::Settings;
 use super::integral::whole;
 use super::report::{Law, Report};
 use super::tester::{Outcome, Tester};
+use crate::contained::contained;
 use crate::domain::{Domain, Point};
 use crate::error::Error;
 use crate::kernel::{Density, HasDomain, Kernel, RowMass, Transition};
@@ -75,46 +76,51 @@ struct Drawn<X> {
 /// # Errors
 /// [`Error::Invalid`] for settings or domains outside their range.
 pub fn transition<K: Transition + Kernel + HasDomain>(kernel: &K, settings: Settings) -> Result<Report, Error> {
-    let domain = kernel.domain();
-    let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
-    let m = count(domain);
-    let places = settings.places.max(domain.states());
-    // twice: every integral is also compared with that of K(y, x)
-    let mut tester = Tester::new(settings, domain, 2 * places * c * c * m)?;
-    for (i, x) in tester.places(domain).into_iter().enumerate() {
-        let mut phi = vec![0.0; m];
-        let exact = whole(domain, &x, 2 * c * c * m, (tester.seed() ^ 0x5eed, 4 * tester.samples()), |y, out| {
-            functions(domain, &x, y, &mut phi);
-            let (direct, adjoint) = out.split_at_mut(c * c * m);
-            for (k, out) in [(kernel.eval(&x, y), direct), (kernel.eval(y, &x), adjoint)] {
-                out.iter_mut().enumerate().for_each(|(j, o)| *o = k.entry(j / m / c, j / m % c) * phi[j % m]);
+    contained(|| {
+        let domain = kernel.domain();
+        let c = <<K::Weight as Weight>::Value as Value>::COMPONENTS;
+        let m = count(domain);
+        let places = settings.places.max(domain.states());
+        // twice: every integral is also compared with that of K(y, x)
+        let mut tester = Tester::new(settings, domain, 2 * places * c * c * m)?;
+        for (i, x) in tester.places(domain).into_iter().enumerate() {
+            let mut phi = vec![0.0; m];
+            let exact = whole(domain, &x, 2 * c * c * m, (tester.seed() ^ 0x5eed, 4 * tester.samples()), |y, out| {
+                functions(domain, &x, y, &mut phi);
+                let (direct, adjoint) = out.split_at_mut(c * c * m);
+                for (k, out) in [(kernel.eval(&x, y), direct), (kernel.eval(y, &x), adjoint)] {
+                    out.iter_mut().enumerate().for_each(|(j, o)| *o = k.entry(j / m / c, j / m % c) * phi[j % m]);
+                }
+            });
+            if let Some(y) = exact.fault {
+                let k = kernel.eval(&x, &y);
+                tester.blame(Law::Finite, format!("x = {x:?}, y = {y:?}"), f64::NAN, 0.0, format!("K(x, y) = {k:?}"));
+                continue;
             }
-        });
-        if let Some(y) = exact.fault {
-            let k = kernel.eval(&x, &y);
-            tester.blame(Law::Finite, format!("x = {x:?}, y = {y:?}"), f64::NAN, 0.0, format!("K(x, y) = {k:?}"));
-            continue;
-        }
-        let drawn = draw(&tester, kernel, &x, i);
-        if !steps_are_sound(&mut tester, &x, &drawn) {
-            continue;
-        }
-        let compare = |tester: &mut Tester, offset: usize, j: usize| {
-            // an error counts against the whole row, ∫ |K(x, y)| dμ(y): φ = 1 comes first
-            let scale = exact.scale[j - j % m].max(exact.values[j].abs());
-            tester.mean(&drawn.moments[j], exact.values[offset + j], exact.errors[offset + j], exact.std_errors[offset + j], scale)
-        };
-        let direct: Vec<_> = (0..c * c * m).map(|j| compare(&mut tester, 0, j)).collect();
-        let Some(j) = direct.iter().position(|o| matches!(o, Outcome::Differs(_))) else {
-            if let Some(j) = direct.iter().position(|o| *o == Outcome::Undecided) {
-                tester.note(format!("the weights vary too much for a test of E[weight · φ] with φ = {}: infinite variance?", name(j % m)));
+            let drawn = draw(&tester, kernel, &x, i);
+            if !steps_are_sound(&mut tester, &x, &drawn) {
+                continue;
             }
-            continue;
-        };
-        let adjoint = (0..c * c * m).all(|j| compare(&mut tester, c * c * m, j) == Outcome::Agrees);
-        expectation(&mut tester, &x, &drawn.moments[j], exact.values[j], &direct[j], (name(j % m), c, j / m, adjoint));
-    }
-    Ok(tester.finish())
+            let compare = |tester: &mut Tester, offset: usize, j: usize| {
+                // an error counts against the whole row, ∫ |K(x, y)| dμ(y): φ = 1 comes first
+                let scale = exact.scale[j - j % m].max(exact.values[j].abs());
+                tester.mean(&drawn.moments[j], exact.values[offset + j], exact.errors[offset + j], exact.std_errors[offset + j], scale)
+            };
+            let direct: Vec<_> = (0..c * c * m).map(|j| compare(&mut tester, 0, j)).collect();
+            let Some(j) = direct.iter().position(|o| matches!(o, Outcome::Differs(_))) else {
+                if let Some(j) = direct.iter().position(|o| *o == Outcome::Undecided) {
+                    tester.note(format!(
+                        "the weights vary too much for a test of E[weight · φ] with φ = {}: infinite variance?",
+                        name(j % m)
+                    ));
+                }
+                continue;
+            };
+            let adjoint = (0..c * c * m).all(|j| compare(&mut tester, c * c * m, j) == Outcome::Agrees);
+            expectation(&mut tester, &x, &drawn.moments[j], exact.values[j], &direct[j], (name(j % m), c, j / m, adjoint));
+        }
+        Ok(tester.finish())
+    })
 }
 
 fn expectation<X: Point>(
@@ -232,26 +238,28 @@ fn steps_are_sound<X: Point>(tester: &mut Tester, x: &X, drawn: &Drawn<X>) -> bo
 /// # Errors
 /// [`Error::Invalid`] for settings or domains outside their range.
 pub fn row_mass<K: RowMass + Kernel + HasDomain>(kernel: &K, settings: Settings) -> Result<Report, Error> {
-    let domain = kernel.domain();
-    let mut tester = Tester::new(settings, domain, settings.places.max(domain.states()))?;
-    for x in tester.places(domain) {
-        let place = format!("x = {x:?}");
-        let exact = whole(domain, &x, 1, (tester.seed() ^ 0x5eed, tester.samples()), |y, out| out[0] = kernel.eval(&x, y).norm());
-        if let Some(y) = exact.fault {
-            let k = kernel.eval(&x, &y);
-            tester.blame(Law::Finite, format!("x = {x:?}, y = {y:?}"), f64::NAN, 0.0, format!("K(x, y) = {k:?}"));
-            continue;
+    contained(|| {
+        let domain = kernel.domain();
+        let mut tester = Tester::new(settings, domain, settings.places.max(domain.states()))?;
+        for x in tester.places(domain) {
+            let place = format!("x = {x:?}");
+            let exact = whole(domain, &x, 1, (tester.seed() ^ 0x5eed, tester.samples()), |y, out| out[0] = kernel.eval(&x, y).norm());
+            if let Some(y) = exact.fault {
+                let k = kernel.eval(&x, &y);
+                tester.blame(Law::Finite, format!("x = {x:?}, y = {y:?}"), f64::NAN, 0.0, format!("K(x, y) = {k:?}"));
+                continue;
+            }
+            let (mass, exact, unsure) = (kernel.mass(&x), exact.values[0], exact.errors[0] + 6.0 * exact.std_errors[0]);
+            if !(mass >= 0.0 && mass.is_finite()) {
+                tester.blame(Law::RowMass, place, mass, exact, format!("mass(x) = {mass} is no mass; ∫ |K(x, y)| dμ(y) = {exact:.6}"));
+            } else if mass == 0.0 && exact - unsure > 0.0 {
+                let message = format!("mass(x) = 0, but ∫ |K(x, y)| dμ(y) = {exact:.3e}: subcritical walks all end here, which is a bias");
+                tester.blame(Law::Support, place, 0.0, exact, message);
+            } else if (mass - exact).abs() > tester.tolerance() * exact + unsure {
+                let message = format!("mass(x) = {mass:.6}, but ∫ |K(x, y)| dμ(y) = {exact:.6} (ratio {:.4})", mass / exact);
+                tester.blame(Law::RowMass, place, mass, exact, message);
+            }
         }
-        let (mass, exact, unsure) = (kernel.mass(&x), exact.values[0], exact.errors[0] + 6.0 * exact.std_errors[0]);
-        if !(mass >= 0.0 && mass.is_finite()) {
-            tester.blame(Law::RowMass, place, mass, exact, format!("mass(x) = {mass} is no mass; ∫ |K(x, y)| dμ(y) = {exact:.6}"));
-        } else if mass == 0.0 && exact - unsure > 0.0 {
-            let message = format!("mass(x) = 0, but ∫ |K(x, y)| dμ(y) = {exact:.3e}: subcritical walks all end here, which is a bias");
-            tester.blame(Law::Support, place, 0.0, exact, message);
-        } else if (mass - exact).abs() > tester.tolerance() * exact + unsure {
-            let message = format!("mass(x) = {mass:.6}, but ∫ |K(x, y)| dμ(y) = {exact:.6} (ratio {:.4})", mass / exact);
-            tester.blame(Law::RowMass, place, mass, exact, message);
-        }
-    }
-    Ok(tester.finish())
+        Ok(tester.finish())
+    })
 }

@@ -10,6 +10,7 @@
 
 use super::grid::Grid;
 use super::solution::NystromSolution;
+use crate::contained::contained;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::source::Source;
@@ -56,36 +57,38 @@ where
     /// # Errors
     /// [`Error::NonFiniteKernel`] and [`Error::NonFiniteSource`] with the place; [`Error::NonFiniteSolution`] if h is not finite somewhere.
     pub fn corrected_functional(&self, h: impl Fn(&K::Point) -> f64) -> Result<Functional<G::Value>, Error> {
-        let c = G::Value::COMPONENTS;
-        let domain = self.system().kernel.domain();
-        let other = self.system().grid.independent(domain)?;
-        let third = other.independent(domain)?;
-        let (rows, _) = other.matrix(&self.system().kernel)?;
-        let f = self.interpolated(&other, |j, a| self.values()[j].component(a))?;
-        let residual = self.residual_on(&other, &rows, &f)?;
-        let worst = residual.amax();
-        let on = |grid: &Grid<K::Point>, f: &DVector<f64>, a: usize| -> f64 {
-            grid.nodes.iter().enumerate().map(|(k, n)| n.weight * h(&n.point) * f[c * k + a]).sum()
-        };
-        let f_third = self.interpolated(&third, |j, a| self.values()[j].component(a))?;
-        let (mut value, mut error) = (vec![0.0; c], 0.0f64);
-        for (a, value) in value.iter_mut().enumerate() {
-            let psi = self.adjoint_on(&other, &h, a)?;
-            let defect = adjoint_defect(&other, &rows, &psi, &h, a);
-            let weight = |i: usize| other.nodes[i / c].weight;
-            let correction: f64 = (0..psi.len()).map(|i| weight(i) * psi[i] * residual[i]).sum();
-            let plain = on(&other, &f, a);
-            *value = plain + correction;
-            let left = (0..psi.len()).map(|i| weight(i) * defect[i].abs()).sum::<f64>() * self.inverse_norm() * worst;
-            let size: f64 = other.nodes.iter().enumerate().map(|(k, n)| n.weight * (h(&n.point) * f[c * k + a]).abs()).sum();
-            let here = left + (plain - on(&third, &f_third, a)).abs() + ROUNDING * f64::EPSILON * size / self.rcond().min(1.0).sqrt();
-            error = if here.is_nan() { f64::NAN } else { error.max(here) };
-        }
-        if !error.is_finite() || value.iter().any(|v| !v.is_finite()) {
-            return Err(Error::NonFiniteSolution { unknowns: self.unknowns() });
-        }
-        let uncorrected = self.functional(&h);
-        Ok(Functional { value: G::Value::from_components(|a| value[a]), uncorrected, error })
+        contained(|| {
+            let c = G::Value::COMPONENTS;
+            let domain = self.system().kernel.domain();
+            let other = self.system().grid.independent(domain)?;
+            let third = other.independent(domain)?;
+            let (rows, _) = other.matrix(&self.system().kernel)?;
+            let f = self.interpolated(&other, |j, a| self.values()[j].component(a))?;
+            let residual = self.residual_on(&other, &rows, &f)?;
+            let worst = residual.amax();
+            let on = |grid: &Grid<K::Point>, f: &DVector<f64>, a: usize| -> f64 {
+                grid.nodes.iter().enumerate().map(|(k, n)| n.weight * h(&n.point) * f[c * k + a]).sum()
+            };
+            let f_third = self.interpolated(&third, |j, a| self.values()[j].component(a))?;
+            let (mut value, mut error) = (vec![0.0; c], 0.0f64);
+            for (a, value) in value.iter_mut().enumerate() {
+                let psi = self.adjoint_on(&other, &h, a)?;
+                let defect = adjoint_defect(&other, &rows, &psi, &h, a);
+                let weight = |i: usize| other.nodes[i / c].weight;
+                let correction: f64 = (0..psi.len()).map(|i| weight(i) * psi[i] * residual[i]).sum();
+                let plain = on(&other, &f, a);
+                *value = plain + correction;
+                let left = (0..psi.len()).map(|i| weight(i) * defect[i].abs()).sum::<f64>() * self.inverse_norm() * worst;
+                let size: f64 = other.nodes.iter().enumerate().map(|(k, n)| n.weight * (h(&n.point) * f[c * k + a]).abs()).sum();
+                let here = left + (plain - on(&third, &f_third, a)).abs() + ROUNDING * f64::EPSILON * size / self.rcond().min(1.0).sqrt();
+                error = if here.is_nan() { f64::NAN } else { error.max(here) };
+            }
+            if !error.is_finite() || value.iter().any(|v| !v.is_finite()) {
+                return Err(Error::NonFiniteSolution { unknowns: self.unknowns() });
+            }
+            let uncorrected = self.functional(&h);
+            Ok(Functional { value: G::Value::from_components(|a| value[a]), uncorrected, error })
+        })
     }
 
     /// Polynomials through values at the nodes, at the nodes of another rule; for composite rules, which have none, the Nyström interpolant of f.
@@ -96,7 +99,7 @@ where
             match self.system().grid.stencil(domain, &n.point) {
                 Some(stencil) => (0..c).for_each(|a| out[c * k + a] = stencil.apply(|j| values(j, a))),
                 None => {
-                    let f = self.try_eval(&n.point)?;
+                    let f = self.value_at(&n.point)?;
                     (0..c).for_each(|a| out[c * k + a] = f.component(a));
                 }
             }

@@ -12,6 +12,7 @@
 use super::ends::Ends;
 use super::near::components;
 use super::side::{Side, cross_rank};
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel};
@@ -106,7 +107,7 @@ const SAMPLE: usize = 40;
 /// # Errors
 /// [`Error::Invalid`] for more than one dimension; [`Error::NonFiniteKernel`] with the place where K is not finite on the way to the diagonal.
 pub fn classify<K: Kernel + HasDomain>(kernel: &K) -> Result<KernelClass, Error> {
-    Ok(classified(kernel)?.0)
+    contained(|| Ok(classified(kernel)?.0))
 }
 
 /// The same with what is singular at the ends.

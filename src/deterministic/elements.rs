@@ -11,6 +11,7 @@ use super::linear::Factor;
 use super::mesh::{Mesh, Space};
 use super::near::components;
 use super::quadrature::unit_rule;
+use crate::contained::contained;
 use crate::domain::{Domain, Node};
 use crate::equation::Equation;
 use crate::error::Error;
@@ -168,11 +169,13 @@ where
     /// # Errors
     /// [`Error::NonFiniteKernel`] and [`Error::NonFiniteSource`] with the place; [`Error::Outside`].
     pub fn iterated(&self, x: K::Point) -> Result<G::Value, Error> {
-        if !self.kernel.domain().contains(&x) {
-            return Err(Error::Outside { x: format!("{x:?}") });
-        }
-        let g = finite(&self.source, &x)?;
-        Ok(g + self.space.apply(&self.kernel, &x, &self.values)?)
+        contained(|| {
+            if !self.kernel.domain().contains(&x) {
+                return Err(Error::Outside { x: format!("{x:?}") });
+            }
+            let g = finite(&self.source, &x)?;
+            Ok(g + self.space.apply(&self.kernel, &x, &self.values)?)
+        })
     }
 
     /// Estimated largest |f − f_h| and |f − f̂| over the domain and all components.
@@ -200,24 +203,27 @@ where
     /// # Errors
     /// Those of [`iterated`](ElementSolution::iterated).
     pub fn error_estimate(&self) -> Result<ElementErrors, Error> {
-        let finer = self.space.finer();
-        let (gauss, domain) = (finer.basis.rule(), self.kernel.domain());
-        let residual = |element: usize, u: f64| Ok(self.iterated(self.space.place(domain, element, u).point)? - self.inside(element, u));
-        let within = collect(gauss.len() * self.space.elements(), |i| residual(i / gauss.len(), gauss[i % gauss.len()].point))?;
-        let at_ends = collect(2 * self.space.elements(), |i| residual(i / 2, ENDS[i % 2]))?;
-        let nodes: Vec<_> = self.nodes().collect();
-        let again = collect(nodes.len(), |i| finer.apply(&self.kernel, &nodes[i], &within))?;
-        let c = G::Value::COMPONENTS;
-        let e = self.factor.solve(&DVector::from_fn(self.unknowns(), |i, _| again[i / c].component(i % c)));
-        let e: Vec<_> = (0..nodes.len()).map(|i| G::Value::from_components(|a| e[i * c + a])).collect();
-        let errors = within.iter().enumerate().map(|(i, r)| *r + self.space.value(&e, i / gauss.len(), gauss[i % gauss.len()].point));
-        let errors: Vec<_> = errors.collect();
-        let at_ends_too = collect(2 * self.space.elements(), |i| {
-            finer.apply(&self.kernel, &self.space.place(domain, i / 2, ENDS[i % 2]).point, &errors)
-        })?;
-        let largest = |values: &[G::Value]| values.iter().map(Value::magnitude).fold(0.0, f64::max);
-        let iterated = largest(&e).max(largest(&at_ends_too));
-        Ok(ElementErrors { solution: largest(&within).max(largest(&at_ends)) + iterated, iterated })
+        contained(|| {
+            let finer = self.space.finer();
+            let (gauss, domain) = (finer.basis.rule(), self.kernel.domain());
+            let residual =
+                |element: usize, u: f64| Ok(self.iterated(self.space.place(domain, element, u).point)? - self.inside(element, u));
+            let within = collect(gauss.len() * self.space.elements(), |i| residual(i / gauss.len(), gauss[i % gauss.len()].point))?;
+            let at_ends = collect(2 * self.space.elements(), |i| residual(i / 2, ENDS[i % 2]))?;
+            let nodes: Vec<_> = self.nodes().collect();
+            let again = collect(nodes.len(), |i| finer.apply(&self.kernel, &nodes[i], &within))?;
+            let c = G::Value::COMPONENTS;
+            let e = self.factor.solve(&DVector::from_fn(self.unknowns(), |i, _| again[i / c].component(i % c)));
+            let e: Vec<_> = (0..nodes.len()).map(|i| G::Value::from_components(|a| e[i * c + a])).collect();
+            let errors = within.iter().enumerate().map(|(i, r)| *r + self.space.value(&e, i / gauss.len(), gauss[i % gauss.len()].point));
+            let errors: Vec<_> = errors.collect();
+            let at_ends_too = collect(2 * self.space.elements(), |i| {
+                finer.apply(&self.kernel, &self.space.place(domain, i / 2, ENDS[i % 2]).point, &errors)
+            })?;
+            let largest = |values: &[G::Value]| values.iter().map(Value::magnitude).fold(0.0, f64::max);
+            let iterated = largest(&e).max(largest(&at_ends_too));
+            Ok(ElementErrors { solution: largest(&within).max(largest(&at_ends)) + iterated, iterated })
+        })
     }
 
     /// ⟨h, f_h⟩ = ∫ h(y) f_h(y) dμ(y) by p + 5 Gauss nodes an element; for smooth h and K of the order of f̂.

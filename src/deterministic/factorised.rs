@@ -7,6 +7,7 @@ use super::grid::Grid;
 use super::linear::Factor;
 use super::nystrom::Nystrom;
 use super::solution::{NystromSolution, apply_row};
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::equation::Equation;
 use crate::error::Error;
@@ -68,14 +69,16 @@ impl<K: Kernel + HasDomain + Clone> Factorised<K> {
         G: Source<Point = K::Point> + Clone,
         K::Weight: Weight<Value = G::Value>,
     {
-        source.validate()?;
-        let g = values_at(source, &self.system.grid)?;
-        let f = self.system.factor.try_solve(&components_of(&g))?;
-        if f.iter().any(|v| !v.is_finite()) {
-            return Err(Error::NonFiniteSolution { unknowns: f.len() });
-        }
-        let values = values_of(&f);
-        Ok(NystromSolution::new(source.clone(), Arc::clone(&self.system), values))
+        contained(|| {
+            source.validate()?;
+            let g = values_at(source, &self.system.grid)?;
+            let f = self.system.factor.try_solve(&components_of(&g))?;
+            if f.iter().any(|v| !v.is_finite()) {
+                return Err(Error::NonFiniteSolution { unknowns: f.len() });
+            }
+            let values = values_of(&f);
+            Ok(NystromSolution::new(source.clone(), Arc::clone(&self.system), values))
+        })
     }
 }
 
@@ -99,13 +102,15 @@ impl<K: Kernel + HasDomain> Factorised<K> {
         S: Source<Point = K::Point>,
         K::Weight: Weight<Value = S::Value>,
     {
-        let System { kernel, grid, .. } = &*self.system;
-        let values = values_at(phi, grid)?;
-        let at = |x: &K::Point| match kernel.domain().contains(x) {
-            true => apply_row(kernel, grid, &values, x),
-            false => Err(Error::Outside { x: format!("{x:?}") }),
-        };
-        parallel::map(places.len(), |i| at(&places[i])).into_iter().collect()
+        contained(|| {
+            let System { kernel, grid, .. } = &*self.system;
+            let values = values_at(phi, grid)?;
+            let at = |x: &K::Point| match kernel.domain().contains(x) {
+                true => apply_row(kernel, grid, &values, x),
+                false => Err(Error::Outside { x: format!("{x:?}") }),
+            };
+            parallel::map(places.len(), |i| at(&places[i])).into_iter().collect()
+        })
     }
 }
 
@@ -175,8 +180,10 @@ where
     /// [`Error::Singular`], [`Error::NonFiniteKernel`] with the place, [`Error::NotIntegrable`], [`Error::Invalid`] for settings that do not fit;
     /// adaptive settings have no fixed rule and are refused.
     pub fn factorise(&self, settings: &Nystrom) -> Result<Factorised<K>, Error> {
-        self.validate()?;
-        let grid = settings.grid(self.kernel().domain())?;
-        Factorised::on_grid(self.kernel(), grid)
+        contained(|| {
+            self.validate()?;
+            let grid = settings.grid(self.kernel().domain())?;
+            Factorised::on_grid(self.kernel(), grid)
+        })
     }
 }

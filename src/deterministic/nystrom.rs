@@ -13,7 +13,7 @@ use super::adaptive;
 use super::alternative::explained;
 use super::class::Diagonal;
 use super::erased::by_values;
-use super::grid::Grid;
+use super::grid::{Grid, check_size};
 use super::solution::NystromSolution;
 use crate::domain::Domain;
 use crate::equation::{Equation, Everywhere, Method};
@@ -181,6 +181,8 @@ impl Nystrom {
                         "must be at most 40: panels of 2^-40 are the limit of floating point",
                     ));
                 }
+                // before there are any
+                check_size(panels as f64 * order as f64)?;
                 let segments = self.segments(domain)?;
                 Grid::panelled(domain, graded_breaks(&segments, panels, levels), order)
             }

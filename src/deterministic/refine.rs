@@ -110,7 +110,7 @@ where
             for state in 0..domain.states() {
                 let x = domain.place(state, || t).point;
                 let first = (state * panels.count() + p) * basis.len();
-                let mut gap = f.try_eval(&x)?;
+                let mut gap = f.value_at(&x)?;
                 f.values()[first..first + basis.len()].iter().zip(&values).for_each(|(f, v)| gap += f.scale(-v));
                 worst = worst.max(BEYOND * gap.magnitude() * self.mass(basis, (a, b), state)?.min(1.0));
             }
@@ -121,7 +121,7 @@ where
     /// The same on a part of a panel, by the Nyström interpolant.
     fn tail_between(&self, f: &NystromSolution<G, K>, basis: &Basis, (a, b): (f64, f64)) -> Result<f64, Error> {
         let place = |state: usize, u: f64| self.domain().place(state, || a + (b - a) * u).point;
-        self.weighted_tail(basis, (a, b), |state| basis.rule().iter().map(|n| f.try_eval(&place(state, n.point))).collect())
+        self.weighted_tail(basis, (a, b), |state| basis.rule().iter().map(|n| f.value_at(&place(state, n.point))).collect())
     }
 
     fn weighted_tail(

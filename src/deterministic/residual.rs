@@ -1,6 +1,7 @@
 //! Residuals of solutions, by rules that share no nodes with the solve.
 
 use super::solution::{Check, NystromSolution, apply_row};
+use crate::contained::contained;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
 use crate::parallel;
@@ -19,14 +20,16 @@ where
     /// # Errors
     /// Those of [`try_eval`](NystromSolution::try_eval).
     pub fn residual(&self, x: K::Point) -> Result<G::Value, Error> {
-        let check = self.check.get_or_init(|| self.independent(0.0)).as_ref().map_err(Clone::clone)?;
-        Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - self.integral_term(x)?)
+        contained(|| {
+            let check = self.check.get_or_init(|| self.independent(0.0)).as_ref().map_err(Clone::clone)?;
+            Ok(apply_row(&self.system.kernel, &check.grid, &check.values, &x)? - self.integral_term(x)?)
+        })
     }
 
     /// f_j improved by one step of iterative refinement, with residuals from sums that do not round (Higham 2002, ch. 12): one more assembly.
     pub(super) fn refined(mut self) -> Result<Self, Error> {
         let nodes = &self.system.grid.nodes;
-        let at_nodes = parallel::map(nodes.len(), |j| Ok::<_, Error>(self.try_eval(&nodes[j].point)? - self.values[j]));
+        let at_nodes = parallel::map(nodes.len(), |j| Ok::<_, Error>(self.value_at(&nodes[j].point)? - self.values[j]));
         let residuals = at_nodes.into_iter().collect::<Result<Vec<_>, _>>()?;
         self.values.iter_mut().zip(self.system.inverse_of(&residuals)).for_each(|(f, e)| *f += e);
         self.check = OnceLock::new();
@@ -57,7 +60,7 @@ where
             Some((order, stencil)) if resolved[stencil.first / order] => {
                 Ok(G::Value::from_components(|a| stencil.apply(|j| self.values[j].component(a))))
             }
-            _ => self.try_eval(x),
+            _ => self.value_at(x),
         };
         parallel::map(places.len(), |i| at(&places[i])).into_iter().collect()
     }

@@ -5,6 +5,7 @@ use super::factorised::System;
 use super::grid::Grid;
 use super::quadrature::compensated_sum;
 use super::scan::resolution;
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Kernel, Operator};
@@ -89,7 +90,7 @@ where
         &self.system
     }
 
-    /// f(x); NaN in every component where K or g is not finite, or for x outside the domain. Costs one row of the operator.
+    /// f(x); NaN in every component where K or g is not finite or panics, or for x outside the domain. Costs one row of the operator.
     pub fn eval(&self, x: K::Point) -> G::Value {
         self.try_eval(&x).unwrap_or_else(|_| G::Value::from_components(|_| f64::NAN))
     }
@@ -99,6 +100,11 @@ where
     /// # Errors
     /// [`Error::NonFiniteKernel`] and [`Error::NonFiniteSource`] with the place; [`Error::Outside`] for x outside the domain.
     pub fn try_eval(&self, x: &K::Point) -> Result<G::Value, Error> {
+        contained(|| self.value_at(x))
+    }
+
+    /// The same where a panic is to end what asks.
+    pub(super) fn value_at(&self, x: &K::Point) -> Result<G::Value, Error> {
         if !self.system.kernel.domain().contains(x) {
             return Err(Error::Outside { x: format!("{x:?}") });
         }
@@ -126,10 +132,10 @@ where
     /// # Errors
     /// Those of [`try_eval`](NystromSolution::try_eval).
     pub fn integral_term(&self, x: K::Point) -> Result<G::Value, Error> {
-        if !self.system.kernel.domain().contains(&x) {
-            return Err(Error::Outside { x: format!("{x:?}") });
-        }
-        self.image(&x)
+        contained(|| match self.system.kernel.domain().contains(&x) {
+            true => self.image(&x),
+            false => Err(Error::Outside { x: format!("{x:?}") }),
+        })
     }
 
     /// The nodes y_j.

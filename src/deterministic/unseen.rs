@@ -94,7 +94,7 @@ where
             let says = |i: usize| gaps[i] * (seen.largest * scan.places[i].weight * count as f64).min(seen.mass);
             let asked: Vec<usize> = part.of(count).filter(|i| everywhere || !(says(*i) <= ENOUGH * share)).collect();
             let at_nodes: Vec<f64> = self.fine.values().iter().map(|f| f.component(a)).collect();
-            let values = parallel::map(asked.len(), |i| self.fine.try_eval(&scan.places[asked[i]].point));
+            let values = parallel::map(asked.len(), |i| self.fine.value_at(&scan.places[asked[i]].point));
             for (i, value) in asked.into_iter().zip(values) {
                 let value = value?.component(a);
                 gaps[i] = scan.interpolant(i, &at_nodes).map_or(0.0, |(_, interpolant)| (value - interpolant).abs());

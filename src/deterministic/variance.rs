@@ -221,14 +221,16 @@ where
     /// # Errors
     /// [`Error::NonFiniteKernel`] with the place.
     pub fn variance(&self, x: K::Point) -> Result<Option<f64>, Error> {
-        let Some(variance) = &self.variance else { return Ok(None) };
-        let (kernel, step) = (self.equation.kernel(), self.step());
-        let first = self.row(kernel, &x)?;
-        let second = self.row(&Composed::new(kernel, &|x, y| step.second(x, y)), &x)?;
-        let event = self.row(&Composed::new(kernel, &|x, y| step.event(x, y)), &x)?;
-        let rows = Rows { first: &first, second: &second, event: &event };
-        let own = step.variance(&x, &rows, &self.grid.nodes, (&self.solution, &self.source));
-        Ok(Some(own + second.iter().zip(variance).map(|(k, v)| k * v).sum::<f64>()))
+        contained(|| {
+            let Some(variance) = &self.variance else { return Ok(None) };
+            let (kernel, step) = (self.equation.kernel(), self.step());
+            let first = self.row(kernel, &x)?;
+            let second = self.row(&Composed::new(kernel, &|x, y| step.second(x, y)), &x)?;
+            let event = self.row(&Composed::new(kernel, &|x, y| step.event(x, y)), &x)?;
+            let rows = Rows { first: &first, second: &second, event: &event };
+            let own = step.variance(&x, &rows, &self.grid.nodes, (&self.solution, &self.source));
+            Ok(Some(own + second.iter().zip(variance).map(|(k, v)| k * v).sum::<f64>()))
+        })
     }
 
     /// Expected steps of one walk from x.
@@ -236,9 +238,11 @@ where
     /// # Errors
     /// [`Error::NonFiniteKernel`] with the place.
     pub fn steps(&self, x: K::Point) -> Result<f64, Error> {
-        let step = self.step();
-        let density = self.row(&Composed::new(self.equation.kernel(), &|x, y| step.density(x, y)), &x)?;
-        Ok(density.iter().zip(&self.vertices).map(|(k, c)| k * c).sum())
+        contained(|| {
+            let step = self.step();
+            let density = self.row(&Composed::new(self.equation.kernel(), &|x, y| step.density(x, y)), &x)?;
+            Ok(density.iter().zip(&self.vertices).map(|(k, c)| k * c).sum())
+        })
     }
 
     /// Efficiency 1/(σ² c) from x with c in steps (theory (4.3.7)), as [`Estimate::efficiency`](crate::Estimate::efficiency) measures it; 0 if the

@@ -148,7 +148,7 @@ where
         let t = [0.0, 1.0, 1.3e-7, 1.0 - 1.7e-7, 1.1e-3, 0.998_7][i as usize];
         let x = domain.place(domain.state(&random), || t).point;
         // g or K may have no value at an end
-        self.fine.try_eval(&x).is_ok().then_some(x)
+        self.fine.value_at(&x).is_ok().then_some(x)
     }
 
     /// Largest difference of the two solves over the nodes of the coarser and the probes, and the panels where it is too large.
@@ -167,7 +167,7 @@ where
             }
         }
         for x in probes {
-            worst.see((coarse.try_eval(x)? - self.fine.try_eval(x)?).magnitude());
+            worst.see((coarse.value_at(x)? - self.fine.value_at(x)?).magnitude());
         }
         doubtful.dedup();
         Ok((worst.0, doubtful))

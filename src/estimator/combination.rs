@@ -13,6 +13,7 @@
 use super::Estimator;
 use super::covariance::{covariance, weights};
 use super::run::{Block, check_budget, estimate, score_block};
+use crate::contained::contained;
 use crate::error::Error;
 use crate::sampling::{Pcg, Sequence};
 use crate::statistics::Estimate;
@@ -155,19 +156,22 @@ impl<'a, V: Value, Q: Sequence> Combination<'a, V, Q> {
     /// [`Error::Invalid`] without members, with a pilot below two scores a member, or if members differ in their number of cells; whatever a member's scores
     /// have as their [explanation](Estimator::explain).
     pub fn solve(&self) -> Result<Vec<Combined<V>>, Error> {
-        let Some(first) = self.members.first() else {
-            return Err(Error::invalid("members", 0.0, "there must be at least one"));
-        };
-        let cells = first.cells();
-        if let Some(other) = self.members.iter().find(|m| m.cells() != cells) {
-            return Err(Error::invalid("cells of a member", other.cells() as f64, "must be those of the first"));
-        }
-        let least = 2 * self.members.len() as u64;
-        if self.pilot < least {
-            return Err(Error::invalid("pilot", self.pilot as f64, "must be at least twice the number of members"));
-        }
-        check_budget("samples_per_cell", self.samples, self.sequence.replicates())?;
-        (0..cells).map(|cell| self.cell(cell)).collect()
+        contained(|| {
+            let Some(first) = self.members.first() else {
+                return Err(Error::invalid("members", 0.0, "there must be at least one"));
+            };
+            let cells = first.cells();
+            if let Some(other) = self.members.iter().find(|m| m.cells() != cells) {
+                return Err(Error::invalid("cells of a member", other.cells() as f64, "must be those of the first"));
+            }
+            let least = 2 * self.members.len() as u64;
+            if self.pilot < least {
+                return Err(Error::invalid("pilot", self.pilot as f64, "must be at least twice the number of members"));
+            }
+            Error::held("pilot", self.pilot)?;
+            check_budget("samples_per_cell", self.samples, self.sequence.replicates())?;
+            (0..cells).map(|cell| self.cell(cell)).collect()
+        })
     }
 
     fn cell(&self, cell: usize) -> Result<Combined<V>, Error> {

@@ -14,6 +14,7 @@
 
 use super::levels::Levels;
 use super::run::{Block, check_budget, estimate};
+use crate::contained::contained;
 use crate::error::Error;
 use crate::parallel;
 use crate::sampling::{Pcg, Sampler, Sequence};
@@ -201,42 +202,45 @@ impl<L: Levels> Debias<L> {
     /// [`Error::NotSummable`] where the pilot sees that the variance or the cost is infinite; [`Error::Invalid`] for parameters outside their range;
     /// [`Error::NonFiniteScore`].
     pub fn solve(&self) -> Result<Debiased<L::Value>, Error> {
-        self.survivors.validate()?;
-        check_budget("samples", self.samples, None)?;
-        if self.pilot.0 < 4 || self.pilot.1 < 2 {
-            return Err(Error::invalid("pilot", self.pilot.0.min(self.pilot.1) as f64, "must be at least 4 levels and 2 points"));
-        }
-        let mut levels = self.look()?;
-        let survivors = if self.survivors == Survivors::Fitted { self.fit(&levels)? } else { self.survivors };
-        (0..).zip(&mut levels).for_each(|(n, level)| level.probability = survivors.probability(self.form, n));
-        let rest = if let (Form::Sum, Survivors::Power(_)) = (self.form, survivors) { 2.0 } else { 0.0 };
-        let variance_slope = slope(&survivors, &levels, |l| l.square / l.probability).map(|slope| slope + rest);
-        let cost_slope = slope(&survivors, &levels, |l| l.cost * l.probability);
-        for (series, slope) in [("variance", variance_slope), ("cost", cost_slope)] {
-            let (variable, limit) = survivors.limit();
-            if let Some(slope) = slope.filter(|slope| *slope >= limit) {
-                return Err(Error::NotSummable { series, slope, variable, limit });
+        contained(|| {
+            self.survivors.validate()?;
+            check_budget("samples", self.samples, None)?;
+            if self.pilot.0 < 4 || self.pilot.1 < 2 {
+                return Err(Error::invalid("pilot", self.pilot.0.min(self.pilot.1) as f64, "must be at least 4 levels and 2 points"));
             }
-        }
-        let sequence = Pcg::new(self.seed);
-        let estimate = estimate(None, self.samples, &|_, indices| {
-            let first = indices.start;
-            let mut block = Block { scores: Vec::with_capacity((indices.end - first) as usize), steps: 0, evaluations: 0 };
-            for i in indices {
-                let last = survivors.draw(sequence.point(LAST, 0, i).next_1d());
-                let levels = if self.form == Form::Sum { 0..=last } else { last..=last };
-                let (mut score, cost) = (L::Value::ZERO, self.levels.cost(levels.clone()));
-                let weigh = &mut |n, d: L::Value| score += d.scale(1.0 / survivors.probability(self.form, n));
-                self.levels.differences(levels, sequence.point(POINTS, 0, i), weigh);
-                if !score.scale(self.samples as f64).all_finite() {
-                    return Err(Error::NonFiniteScore { sample: i, replicate: 0, score: format!("{score:?}") });
+            Error::held("levels × points of the pilot", self.pilot.0.saturating_mul(self.pilot.1))?;
+            let mut levels = self.look()?;
+            let survivors = if self.survivors == Survivors::Fitted { self.fit(&levels)? } else { self.survivors };
+            (0..).zip(&mut levels).for_each(|(n, level)| level.probability = survivors.probability(self.form, n));
+            let rest = if let (Form::Sum, Survivors::Power(_)) = (self.form, survivors) { 2.0 } else { 0.0 };
+            let variance_slope = slope(&survivors, &levels, |l| l.square / l.probability).map(|slope| slope + rest);
+            let cost_slope = slope(&survivors, &levels, |l| l.cost * l.probability);
+            for (series, slope) in [("variance", variance_slope), ("cost", cost_slope)] {
+                let (variable, limit) = survivors.limit();
+                if let Some(slope) = slope.filter(|slope| *slope >= limit) {
+                    return Err(Error::NotSummable { series, slope, variable, limit });
                 }
-                block.scores.push(score);
-                block.evaluations += cost.round() as u64;
             }
-            Ok(block)
-        })?;
-        Ok(Debiased { estimate, survivors, levels, variance_slope, cost_slope })
+            let sequence = Pcg::new(self.seed);
+            let estimate = estimate(None, self.samples, &|_, indices| {
+                let first = indices.start;
+                let mut block = Block { scores: Vec::with_capacity((indices.end - first) as usize), steps: 0, evaluations: 0 };
+                for i in indices {
+                    let last = survivors.draw(sequence.point(LAST, 0, i).next_1d());
+                    let levels = if self.form == Form::Sum { 0..=last } else { last..=last };
+                    let (mut score, cost) = (L::Value::ZERO, self.levels.cost(levels.clone()));
+                    let weigh = &mut |n, d: L::Value| score += d.scale(1.0 / survivors.probability(self.form, n));
+                    self.levels.differences(levels, sequence.point(POINTS, 0, i), weigh);
+                    if !score.scale(self.samples as f64).all_finite() {
+                        return Err(Error::NonFiniteScore { sample: i, replicate: 0, score: format!("{score:?}") });
+                    }
+                    block.scores.push(score);
+                    block.evaluations += cost.round() as u64;
+                }
+                Ok(block)
+            })?;
+            Ok(Debiased { estimate, survivors, levels, variance_slope, cost_slope })
+        })
     }
 
     /// The pilot.

@@ -1,5 +1,6 @@
 //! Convergent sequences of biased estimators.
 
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
 use crate::error::Error;
@@ -86,9 +87,11 @@ where
     /// # Errors
     /// Those of the equation's and the detector's own checks.
     pub fn depths(&self) -> Result<Depths<'_, G, K, D>, Error> {
-        self.equation().validate()?;
-        self.detector().validate()?;
-        Ok(Depths { equation: self.equation(), detector: self.detector() })
+        contained(|| {
+            self.equation().validate()?;
+            self.detector().validate()?;
+            Ok(Depths { equation: self.equation(), detector: self.detector() })
+        })
     }
 }
 

@@ -98,5 +98,5 @@ pub(super) fn check_budget(parameter: &'static str, samples: u64, replicates: Op
     if replicates == Some(0) {
         return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
     }
-    Ok(())
+    Error::held("replicates", replicates.map_or(1, u64::from))
 }

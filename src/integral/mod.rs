@@ -123,7 +123,7 @@ impl<D: Domain, G: Source<Point = D::Point>> Integral<D, G> {
     /// # Errors
     /// Those of the method and of the rule.
     pub fn predict<M: Predictable<D, G>>(&self, method: &M, rule: &Gauss) -> Result<G::Value, Error> {
-        method.predict(self, rule)
+        contained(|| method.predict(self, rule))
     }
 
     /// A density ∝ |f| from a table of `cells` cells, with a tenth of the domain's own density (one-dimensional domains).
@@ -131,7 +131,7 @@ impl<D: Domain, G: Source<Point = D::Point>> Integral<D, G> {
     /// # Errors
     /// [`Error::Invalid`] for a domain of more than one dimension or no cells; [`Error::NonFiniteIntegrand`] with the place.
     pub fn tabulated(&self, cells: usize) -> Result<TabulatedSource<D>, Error> {
-        TabulatedSource::new(&self.domain, |x| self.integrand.eval(x), cells).map_err(|error| match error {
+        contained(|| TabulatedSource::new(&self.domain, |x| self.integrand.eval(x), cells)).map_err(|error| match error {
             Error::NonFiniteSource { at, value } => Error::NonFiniteIntegrand { at, value },
             other => other,
         })

@@ -108,7 +108,7 @@ pub(super) fn validate(samples: u64, replicates: Option<u32>) -> Result<(), Erro
     if replicates == Some(0) {
         return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
     }
-    Ok(())
+    Error::held("replicates", replicates.map_or(1, u64::from))
 }
 
 impl<D, G, P, Q> Integrator<D, G> for Secondary<P, Q>

@@ -1,6 +1,7 @@
 //! A split of the unit cube into boxes, and the samplers of its parts.
 
 use super::Integral;
+use crate::contained::contained;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::sampling::{Purpose, Sampler};
@@ -87,42 +88,44 @@ impl Strata {
     /// # Errors
     /// [`Error::Invalid`] for domains of more than one dimension or `k` = 0; [`Error::NonFiniteIntegrand`].
     pub fn adapted<D: Domain, G: Source<Point = D::Point>>(integral: &Integral<D, G>, k: usize) -> Result<Self, Error> {
-        let domain = integral.domain();
-        domain.validate()?;
-        if domain.dimension() != 1 || domain.states() != 1 {
-            return Err(Error::invalid(
-                "dimension",
-                domain.dimension() as f64,
-                "adapted strata need a one-dimensional domain of one state",
-            ));
-        }
-        if k == 0 || k as f64 > MOST {
-            return Err(Error::invalid("strata", k as f64, LIMITS));
-        }
-        let cells = 16 * k;
-        let mut values = Vec::with_capacity(cells + 1);
-        for i in 0..=cells {
-            // the ends themselves may be singular
-            let node = domain.place(0, || (i as f64 / cells as f64).clamp(0.5 / cells as f64, 1.0 - 0.5 / cells as f64));
-            let f = integral.integrand().eval(&node.point);
-            if !f.all_finite() {
-                return Err(Error::NonFiniteIntegrand { at: format!("{:?}", node.point), value: format!("{f:?}") });
+        contained(|| {
+            let domain = integral.domain();
+            domain.validate()?;
+            if domain.dimension() != 1 || domain.states() != 1 {
+                return Err(Error::invalid(
+                    "dimension",
+                    domain.dimension() as f64,
+                    "adapted strata need a one-dimensional domain of one state",
+                ));
             }
-            values.push(f.scale(node.weight));
-        }
-        let slopes: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).magnitude().sqrt()).collect();
-        let total: f64 = slopes.iter().sum();
-        let share = |s: f64| if total > 0.0 { 0.1 / cells as f64 + 0.9 * s / total } else { 1.0 / cells as f64 };
-        let (mut axis, mut sum) = (vec![0.0], 0.0);
-        for (i, s) in slopes.iter().enumerate() {
-            let (before, step) = (sum, share(*s));
-            sum += step;
-            while axis.len() < k && axis.len() as f64 / k as f64 <= sum {
-                axis.push((i as f64 + (axis.len() as f64 / k as f64 - before) / step) / cells as f64);
+            if k == 0 || k as f64 > MOST {
+                return Err(Error::invalid("strata", k as f64, LIMITS));
             }
-        }
-        axis.push(1.0);
-        Ok(Strata { axes: vec![Axis::At(axis)] })
+            let cells = 16 * k;
+            let mut values = Vec::with_capacity(cells + 1);
+            for i in 0..=cells {
+                // the ends themselves may be singular
+                let node = domain.place(0, || (i as f64 / cells as f64).clamp(0.5 / cells as f64, 1.0 - 0.5 / cells as f64));
+                let f = integral.integrand().eval(&node.point);
+                if !f.all_finite() {
+                    return Err(Error::NonFiniteIntegrand { at: format!("{:?}", node.point), value: format!("{f:?}") });
+                }
+                values.push(f.scale(node.weight));
+            }
+            let slopes: Vec<f64> = values.windows(2).map(|w| (w[1] - w[0]).magnitude().sqrt()).collect();
+            let total: f64 = slopes.iter().sum();
+            let share = |s: f64| if total > 0.0 { 0.1 / cells as f64 + 0.9 * s / total } else { 1.0 / cells as f64 };
+            let (mut axis, mut sum) = (vec![0.0], 0.0);
+            for (i, s) in slopes.iter().enumerate() {
+                let (before, step) = (sum, share(*s));
+                sum += step;
+                while axis.len() < k && axis.len() as f64 / k as f64 <= sum {
+                    axis.push((i as f64 + (axis.len() as f64 / k as f64 - before) / step) / cells as f64);
+                }
+            }
+            axis.push(1.0);
+            Ok(Strata { axes: vec![Axis::At(axis)] })
+        })
     }
 
     /// Number of strata; the largest number there is where it is larger still.

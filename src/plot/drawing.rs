@@ -114,15 +114,11 @@ impl Drawing {
     }
 
     pub(super) fn save(&self, path: &Path) -> Result<(), Error> {
-        let io = |e: std::io::Error| failed(&path.display().to_string(), e.to_string());
         let bytes = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => self.to_svg()?.into_bytes(),
             Some("png") => self.to_png()?,
             _ => return Err(failed(&path.display().to_string(), "unknown kind of picture: the name must end in .svg or .png".into())),
         };
-        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder).map_err(io)?;
-        }
         replace(path, &bytes)
     }
 

@@ -1,6 +1,7 @@
 //! Sources given by closures.
 
 use super::{Birth, Emit, EmitPdf, SampleSource, Source, TabulatedSource};
+use crate::contained::contained;
 use crate::domain::{Domain, Node};
 use crate::error::Error;
 use crate::kernel::{Proposal, Uniform};
@@ -50,7 +51,7 @@ where
     /// # Errors
     /// [`Error::Invalid`] for a domain of more than one dimension or `cells` = 0; [`Error::NonFiniteSource`] with the place.
     pub fn tabulated(self, cells: usize) -> Result<SourceFn<D, F, V, TabulatedSource<D>>, Error> {
-        let density = TabulatedSource::new(&self.domain, &self.function, cells)?;
+        let density = contained(|| TabulatedSource::new(&self.domain, &self.function, cells))?;
         Ok(SourceFn { domain: self.domain, function: self.function, density, value: PhantomData })
     }
 }

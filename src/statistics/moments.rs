@@ -17,19 +17,23 @@ use crate::value::Value;
 /// assert_eq!(halves, m);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(bound = "V: Value"))]
 pub struct Moments<V> {
     /// Number of scores.
     pub count: u64,
     /// Number of scores with a component different from 0.
     pub nonzero: u64,
     /// Mean.
+    #[cfg_attr(feature = "serde", serde(with = "crate::value::stored"))]
     pub mean: V,
     /// Σ (y − ȳ)².
+    #[cfg_attr(feature = "serde", serde(with = "crate::value::stored"))]
     pub m2: V,
     /// Σ (y − ȳ)³.
+    #[cfg_attr(feature = "serde", serde(with = "crate::value::stored"))]
     pub m3: V,
     /// Σ (y − ȳ)⁴.
+    #[cfg_attr(feature = "serde", serde(with = "crate::value::stored"))]
     pub m4: V,
 }
 

@@ -7,6 +7,7 @@
 //! Coverage is counted: how many of the stated intervals contain the truth (theory §5.3, T2 to T4).
 
 use super::{Estimate, Moments, Rate};
+use crate::contained::contained;
 use crate::error::Error;
 use crate::parallel;
 use statrs::distribution::{Beta, ContinuousCDF};
@@ -83,17 +84,20 @@ impl Study {
     where
         F: Fn(u64) -> Result<Estimate, Error> + Send + Sync,
     {
-        if repetitions < 2 {
-            return Err(Error::invalid("repetitions", repetitions as f64, "must be at least 2: one run has no spread"));
-        }
-        if !truth.is_finite() {
-            return Err(Error::invalid("truth", truth, "must be finite"));
-        }
-        let one: &(dyn Fn(usize) -> Result<Estimate, Error> + Sync) = &|seed| solve(seed as u64);
-        let runs = parallel::map(repetitions as usize, one).into_iter().collect::<Result<Vec<_>, _>>()?;
-        let errors: Vec<f64> = runs.iter().map(|e| e.value - truth).collect();
-        let squares: Vec<f64> = errors.iter().map(|e| e * e).collect();
-        Ok(Study { truth, runs, errors: Moments::from_scores(&errors), squares: Moments::from_scores(&squares) })
+        contained(|| {
+            if repetitions < 2 {
+                return Err(Error::invalid("repetitions", repetitions as f64, "must be at least 2: one run has no spread"));
+            }
+            Error::held("repetitions", repetitions)?;
+            if !truth.is_finite() {
+                return Err(Error::invalid("truth", truth, "must be finite"));
+            }
+            let one: &(dyn Fn(usize) -> Result<Estimate, Error> + Sync) = &|seed| solve(seed as u64);
+            let runs = parallel::map(repetitions as usize, one).into_iter().collect::<Result<Vec<_>, _>>()?;
+            let errors: Vec<f64> = runs.iter().map(|e| e.value - truth).collect();
+            let squares: Vec<f64> = errors.iter().map(|e| e * e).collect();
+            Ok(Study { truth, runs, errors: Moments::from_scores(&errors), squares: Moments::from_scores(&squares) })
+        })
     }
 
     /// The estimates, in order of seeds.

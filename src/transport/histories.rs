@@ -9,6 +9,7 @@
 //! correlated and most bins of a history stay empty. Reference: Spanier, Gelbard (1969), ch. 2; Lux, Koblinger (1991), §2.
 
 use super::{Flight, Grid, Slab, Tally};
+use crate::contained::contained;
 use crate::error::Error;
 use crate::kernel::{HasDomain, Operator};
 use crate::parallel;
@@ -126,15 +127,17 @@ impl<T: Tally> Histories<T> {
     where
         S: Emit<Point = f64, Value = f64, State = f64>,
     {
-        let clock = Instant::now();
-        slab.validate()?;
-        source.validate()?;
-        self.validate(slab)?;
-        let grid = Grid::new(slab.domain(), self.bins)?;
-        let size = self.histories.div_ceil(self.batches);
-        let batches = parallel::map(self.batches as usize, |b| self.batch(slab, source, &grid, b as u64 * size, size));
-        let batches = batches.into_iter().collect::<Result<Vec<_>, Error>>()?;
-        Ok(self.merge(&grid, batches, size, clock))
+        contained(|| {
+            let clock = Instant::now();
+            slab.validate()?;
+            source.validate()?;
+            self.validate(slab)?;
+            let grid = Grid::new(slab.domain(), self.bins)?;
+            let size = self.histories.div_ceil(self.batches);
+            let batches = parallel::map(self.batches as usize, |b| self.batch(slab, source, &grid, (b as u64).saturating_mul(size), size));
+            let batches = batches.into_iter().collect::<Result<Vec<_>, Error>>()?;
+            Ok(self.merge(&grid, batches, size, clock))
+        })
     }
 
     fn validate(&self, slab: &Slab) -> Result<(), Error> {
@@ -146,7 +149,7 @@ impl<T: Tally> Histories<T> {
                 return Err(Error::invalid(parameter, 0.0, "must be at least 1"));
             }
         }
-        Ok(())
+        Error::held("batches", self.batches)
     }
 
     fn batch<S>(&self, slab: &Slab, source: &S, grid: &Grid, from: u64, size: u64) -> Result<Batch<T::Bins>, Error>
@@ -156,7 +159,7 @@ impl<T: Tally> Histories<T> {
         let mut batch = Batch { bins: self.tally.empty(grid), collisions: 0, counts: [0; 3], weights: [0.0; 3] };
         // the next history's point is prepared while this one runs: its hash then costs no latency
         let mut next = self.sequence.point(0, 0, from);
-        for index in from..from + size {
+        for index in from..from.saturating_add(size) {
             let mut u = std::mem::replace(&mut next, self.sequence.point(0, 0, index + 1));
             let birth = source.emit(&mut u);
             if !birth.weight.is_finite() {

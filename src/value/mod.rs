@@ -11,6 +11,8 @@
 //! and [`Weight::then`] keeps it.
 
 mod spectrum;
+#[cfg(feature = "serde")]
+pub(crate) mod stored;
 
 pub use spectrum::{GroupMatrix, Spectrum};
 

@@ -94,6 +94,7 @@ impl<S: Sampler> Sampler for OneStep<S> {
 struct Replayed<'a, S> {
     points: &'a [OneStep<S>],
     now: OneStep<S>,
+    vertex: u64,
 }
 
 impl<S: Sampler + Clone> Sampler for Replayed<'_, S> {
@@ -101,8 +102,10 @@ impl<S: Sampler + Clone> Sampler for Replayed<'_, S> {
         self.now.next_1d()
     }
     fn seek(&mut self, vertex: u64, purpose: Purpose) {
-        if let Some(point) = self.points.get(vertex as usize) {
+        // once a vertex: where moving between purposes is free, numbers are read one after the other
+        if let Some(point) = self.points.get(vertex as usize).filter(|_| vertex != self.vertex) {
             self.now = point.clone();
+            self.vertex = vertex;
         }
         self.now.seek(vertex, purpose);
     }
@@ -212,7 +215,7 @@ impl<C, E, Q: Sequence> ArrayRqmc<C, E, Q> {
         let Walk { scoring, ending, max_steps, .. } = &self.walk;
         let mut errand = Backward { equation, scoring };
         let driver = Driver { kernel: equation.kernel(), ending, max_steps: *max_steps };
-        let mut lane = [start(detector, cell, 0, Replayed { points: &points, now: points[0].clone() })];
+        let mut lane = [start(detector, cell, 0, Replayed { points: &points, now: points[0].clone(), vertex: 0 })];
         driver.walk(&mut errand, &mut lane, &mut Vec::new(), &mut recorder, |_| {});
         let (vertex, last) = (recorder.vertices.len() as u64 - 1, recorder.vertices.last().expect("a walk has a start"));
         let unexplained = Error::Overflow { cell, walk, vertex, at: format!("{:?}", last.point), weight: format!("{:?}", last.weight) };
@@ -237,9 +240,7 @@ where
         let truncation = self.walk.prepare(equation, detector)?;
         let replicates = self.replicates();
         let chains = self.walk.samples.div_ceil(u64::from(replicates));
-        if chains > u64::from(u32::MAX) {
-            return Err(Error::invalid("chains a replicate", chains as f64, "must fit into 32 bits: all are held in memory"));
-        }
+        Error::held("chains a replicate", chains)?;
         if !self.walk.sequence.is_randomised() {
             return Err(Error::invalid(
                 "replicates",
@@ -247,6 +248,7 @@ where
                 "must be randomised for sorted chains: all steps would share the points of the textbook",
             ));
         }
+        Error::held("cells × replicates", (detector.cells() as u64).saturating_mul(u64::from(replicates)))?;
         let tasks = detector.cells() * replicates as usize;
         // behind a vtable: one call a replicate
         let one: &(dyn Fn(usize) -> Result<_, Error> + Sync) = &|task| {

@@ -38,6 +38,11 @@ where
     }
 
     #[inline]
+    fn is_sound(load: &K::Weight) -> bool {
+        load.entries_finite()
+    }
+
+    #[inline]
     fn arrival<S: Sampler, O: Observer<K::Point, K::Weight>>(
         &mut self,
         at: At<'_, K::Point, K::Weight, S>,

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 /// Everything a run needs to go on bit for bit: save it with `serde`, resume with [`Rounds::resume`](super::Rounds::resume).
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(bound = "V: Value"))]
 pub struct Checkpoint<V> {
     /// what may not change on resume; the budget may
     method: String,
@@ -23,7 +23,7 @@ pub struct Checkpoint<V> {
 
 /// The state of one detector cell.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(bound = "V: Value"))]
 pub(super) struct Cell<V> {
     /// one for each replicate; a single one for independent points
     pub(super) replicates: Vec<Moments<V>>,

@@ -47,6 +47,9 @@ pub(super) trait Errand<K: Operator> {
     /// |W_n|, for roulette.
     fn magnitude(load: &Self::Load) -> f64;
 
+    /// Whether the load is a number; a walk that has lost it must not pass for one that scores nothing.
+    fn is_sound(load: &Self::Load) -> bool;
+
     /// Scores on arrival at a vertex.
     fn arrival<S: Sampler, O: Observer<K::Point, K::Weight>>(
         &mut self,
@@ -129,6 +132,10 @@ impl<K: Operator, A: Errand<K>, S> Lane<K, A, S> {
     #[inline]
     fn end<O: Observer<K::Point, K::Weight>>(&mut self, errand: &mut A, end: End, observer: &mut O) -> Outcome<A::Score> {
         errand.end(self.walk, &self.visit, &mut self.score, observer);
+        // dying more often than always, or of a load that is lost, would be a silent bias: the replay names the place
+        if !(self.visit.survival >= 0.0 && A::is_sound(&self.visit.weight)) {
+            errand.poison(self.walk, &mut self.score);
+        }
         // a walk of weight 0 has nothing left to lose: no bias
         let truncated = end == End::Cut && A::magnitude(&self.visit.weight) != 0.0;
         Outcome { walk: self.walk, score: self.score, end, truncated }
@@ -209,9 +216,7 @@ impl<K: Transition, E: Ending<K>> Driver<'_, K, E> {
         for rank in ranks.drain(survivors..) {
             let lane = &mut lanes[rank as usize];
             if !(lane.visit.survival >= 0.0) {
-                // dying more often than always would be a silent bias: poison the score, the replay names the place
                 observer.survival(&lane.visit.point, lane.visit.survival);
-                errand.poison(lane.walk, &mut lane.score);
             }
             ended(lane.end(errand, if cut { End::Cut } else { End::Roulette }, observer));
         }

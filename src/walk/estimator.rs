@@ -4,6 +4,7 @@ use super::backward::{Backward, start};
 use super::driver::{Driver, End};
 use super::replay::replay_on;
 use super::{Ending, Scoring, Walk};
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
 use crate::error::Error;
@@ -39,15 +40,17 @@ where
         E: Ending<K>,
         Q: Sequence,
     {
-        let bound = WalkEstimator::bind(self, walk)?;
-        if let Some(depth) = walk.ending.cut() {
-            return Err(Error::invalid(
-                "depth",
-                depth as f64,
-                "a walk cut at a fixed depth is no unbiased estimator: use `Debias` with `Depths`",
-            ));
-        }
-        Ok(bound)
+        contained(|| {
+            let bound = WalkEstimator::bind(self, walk)?;
+            if let Some(depth) = walk.ending.cut() {
+                return Err(Error::invalid(
+                    "depth",
+                    depth as f64,
+                    "a walk cut at a fixed depth is no unbiased estimator: use `Debias` with `Depths`",
+                ));
+            }
+            Ok(bound)
+        })
     }
 }
 

@@ -42,6 +42,7 @@ pub use rounds::{InProgress, Progressive, Round, Rounds};
 pub use run::Run as WalkRun;
 pub use scoring::{Absorption, Arrival, Collision, Heuristic, Mis, NextEvent, OptimalMis, Scoring, Technique, Visit};
 
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Method};
 use crate::error::Error;
@@ -228,11 +229,13 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         E: Ending<K>,
         D: Detector<Point = G::Point>,
     {
-        self.prepare(equation, detector)?;
-        if cell >= detector.cells() {
-            return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
-        }
-        Ok(replay::replay(self, equation, detector, cell, 0, walk).1)
+        contained(|| {
+            self.prepare(equation, detector)?;
+            if cell >= detector.cells() {
+                return Err(Error::invalid("cell", cell as f64, "must be below the detector's number of cells"));
+            }
+            Ok(replay::replay(self, equation, detector, cell, 0, walk).1)
+        })
     }
 }
 

@@ -51,6 +51,7 @@ impl<C, E, Q: Sequence> Walk<C, E, Q> {
         if self.sequence.replicates() == Some(0) {
             return Err(Error::invalid("replicates", 0.0, "must be at least 1"));
         }
+        Error::held("replicates", self.sequence.replicates().map_or(1, u64::from))?;
         if !self.ending.ends() && along.never_absorbs() {
             return Err(Error::NeverEnds);
         }

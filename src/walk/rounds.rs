@@ -111,7 +111,7 @@ impl<G, K, D: Detector> Query<'_, G, K, D> {
 }
 
 impl<R: InProgress> Rounds<R> {
-    /// The state between two rounds.
+    /// The state between two rounds. After an error it has what was finished of the last one, and can be gone on with all the same.
     pub fn checkpoint(&self) -> Checkpoint<R::Value> {
         self.run.state().clone()
     }

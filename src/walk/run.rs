@@ -61,6 +61,7 @@ where
     pub(super) fn new(walk: &Walk<C, E, Q>, equation: &'a Equation<G, K>, detector: &'a D) -> Result<Self, Error> {
         let truncation = walk.prepare(equation, detector)?;
         let cells = detector.cells();
+        Error::held("cells × replicates", (cells as u64).saturating_mul(u64::from(walk.sequence.replicates().unwrap_or(1))))?;
         // the budget may change on resume, the method may not
         let method = format!("{:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
         let state = Checkpoint::start(method, cells, &walk.sequence);
@@ -92,7 +93,11 @@ where
             let to = ((from / self.chunk + chunks) * self.chunk).min(end);
             let step = (WIDE_BATCH / replicates as usize).max(1);
             for first in (0..cells).step_by(step) {
-                self.batch(first..(first + step).min(cells), from, to)?;
+                // an error may have left the first groups ahead of the others
+                let own = self.state.cells[first].own.walks / replicates;
+                if own < to {
+                    self.batch(first..(first + step).min(cells), own.max(from), to)?;
+                }
             }
             self.state.done = to;
             batch = (8 * batch).min(BATCH);

@@ -1,9 +1,11 @@
 //! What a run must survive: being killed, a full disk, a panic in a function of the user's, a long time.
 
 use crate::erased::Equation;
-use fredholm::deterministic::Nystrom;
-use fredholm::walk::Roulette;
-use fredholm::{Bidirectional, Error, Walk};
+use fredholm::detector::Bins;
+use fredholm::deterministic::{Galerkin, Nystrom};
+use fredholm::sampling::Sobol;
+use fredholm::walk::{ArrayRqmc, InProgress, Roulette, Rounds};
+use fredholm::{Bidirectional, Error, Estimate, Forward, Walk};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,9 +19,9 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// This program again, with one of its ignored tests.
-fn child(test: &str, folder: &Path) -> Child {
+fn child(test: &str, folder: &Path, threads: &str) -> Child {
     let mut command = Command::new(std::env::current_exe().unwrap());
-    command.args([test, "--exact", "--ignored", "--nocapture"]).env("FREDHOLM_FOLDER", folder);
+    command.args([test, "--exact", "--ignored", "--nocapture"]).env("FREDHOLM_FOLDER", folder).env("RAYON_NUM_THREADS", threads);
     command.stdout(std::process::Stdio::null()).spawn().unwrap()
 }
 
@@ -29,14 +31,27 @@ fn told() -> Option<PathBuf> {
 }
 
 const WALKS: u64 = 1 << 20;
+/// Runs that go in rounds.
+#[cfg(feature = "serde")]
+const KINDS: [&str; 3] = ["backward", "replicates", "forward"];
 
 /// Bits of the result of an uninterrupted run, or of what is left of one.
 #[cfg(feature = "serde")]
-fn bits(state: Option<&Path>) -> String {
+fn bits(kind: &str, state: Option<&Path>) -> String {
     let eq = Equation::on_interval(0.0..=1.0, |x: f64| x.cos(), |x: f64, y: f64| 0.7 * (-x * y * y).exp());
     let points = [0.1, 0.5, 0.9];
-    let (query, walk) = (eq.on(&points), Walk::next_event().samples_per_cell(WALKS).seed(3));
-    let mut rounds = query.rounds(&walk).unwrap();
+    let (query, bins) = (eq.on(&points), Bins::new(0.0..=1.0, 3));
+    let replicates = Sobol::new(3).replicates(4);
+    match kind {
+        "backward" => finished(query.rounds(&Walk::next_event().samples_per_cell(WALKS).seed(3)), state),
+        "replicates" => finished(query.rounds(&Walk::collision().sequence(replicates).samples_per_cell(WALKS)), state),
+        _ => finished(eq.seen_by(&bins).rounds(&Forward::new().walks(WALKS).seed(3)), state),
+    }
+}
+
+#[cfg(feature = "serde")]
+fn finished<R: InProgress<Value = f64, Answer = Vec<Estimate>>>(rounds: Result<Rounds<R>, Error>, state: Option<&Path>) -> String {
+    let mut rounds = rounds.unwrap();
     if let Some(saved) = state.and_then(|path| std::fs::read_to_string(path).ok()) {
         rounds = rounds.resume(serde_json::from_str(&saved).unwrap()).unwrap();
     }
@@ -51,7 +66,7 @@ fn bits(state: Option<&Path>) -> String {
         }
     }
     let estimates = last.expect("a last round is always left to do: the result is written after it");
-    let numbers = estimates.iter().flat_map(|e| [e.value, e.std_error.unwrap(), e.moments.m4]);
+    let numbers = estimates.iter().flat_map(|e| [e.value, e.std_error.unwrap(), e.moments.m4, e.steps as f64]);
     numbers.map(|v| format!("{:016x}", v.to_bits())).collect()
 }
 
@@ -60,40 +75,46 @@ fn bits(state: Option<&Path>) -> String {
 #[ignore = "called by killed_and_resumed_at_random"]
 fn resumed_by_another() {
     let Some(folder) = told() else { return };
-    let result = bits(Some(&folder.join("state.json")));
+    let kind = KINDS.into_iter().find(|kind| folder.ends_with(kind)).unwrap();
+    let result = bits(kind, Some(&folder.join("state.json")));
     std::fs::write(folder.join("result.part"), result).unwrap();
     std::fs::rename(folder.join("result.part"), folder.join("result")).unwrap();
 }
 
-/// Killed again and again, at instants that nobody chose, the run ends with the bits of an uninterrupted one.
+/// Killed again and again, at instants that nobody chose, and gone on with by other numbers of threads, every run ends with the bits of an uninterrupted one.
 #[cfg(feature = "serde")]
 #[test]
 fn killed_and_resumed_at_random() {
-    let (folder, whole) = (folder("kill"), bits(None));
     let mut state = 7u64;
-    let mut kills = 0;
-    while !folder.join("result").exists() {
-        let mut process = child("faults::resumed_by_another", &folder);
-        // from 10 ms to 0.4 s by a linear congruential generator, longer each time: the run must end at last
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        std::thread::sleep(Duration::from_millis(10 + (state >> 33) % (40 + 40 * kills)));
-        kills += u64::from(process.try_wait().unwrap().is_none());
-        process.kill().ok();
-        process.wait().unwrap();
-        // a kill between the last state and the result leaves no round to do: the last state is taken back
-        if !folder.join("result").exists() && last_round(&folder.join("state.json")) {
-            std::fs::remove_file(folder.join("state.json")).unwrap();
+    for kind in KINDS {
+        let (parent, whole) = (folder("kill"), bits(kind, None));
+        let folder = parent.join(kind);
+        std::fs::create_dir(&folder).unwrap();
+        let mut kills = 0;
+        while !folder.join("result").exists() {
+            let threads = ["1", "2", "8"][kills as usize % 3];
+            let mut process = child("faults::resumed_by_another", &folder, threads);
+            // from 10 ms to 0.4 s by a linear congruential generator, longer each time: the run must end at last
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            std::thread::sleep(Duration::from_millis(10 + (state >> 33) % (40 + 40 * kills)));
+            kills += u64::from(process.try_wait().unwrap().is_none());
+            process.kill().ok();
+            process.wait().unwrap();
+            // a kill between the last state and the result leaves no round to do: the last state is taken back
+            if !folder.join("result").exists() && last_round(&folder.join("state.json")) {
+                std::fs::remove_file(folder.join("state.json")).unwrap();
+            }
         }
+        assert_eq!(std::fs::read_to_string(folder.join("result")).unwrap(), whole, "{kind}, after {kills} kills");
+        std::fs::remove_dir_all(parent).ok();
     }
-    assert_eq!(std::fs::read_to_string(folder.join("result")).unwrap(), whole, "after {kills} kills");
-    std::fs::remove_dir_all(folder).ok();
 }
 
 #[cfg(feature = "serde")]
 fn last_round(state: &Path) -> bool {
     let Ok(text) = std::fs::read_to_string(state) else { return false };
     let saved: serde_json::Value = serde_json::from_str(&text).expect("states are whole whenever the program is killed");
-    saved["done"].as_u64() == Some(WALKS)
+    saved["done"].as_u64().is_some_and(|done| done * saved["cells"][0]["replicates"].as_array().map_or(1, Vec::len) as u64 >= WALKS)
 }
 
 /// A panic in g is an error with its words; the rounds before it are kept, and the next run starts unharmed.
@@ -176,6 +197,41 @@ fn what_cannot_be_written_is_not_lost() {
     std::fs::remove_dir_all(folder).ok();
 }
 
+/// What an example prints, what it says went wrong, and how it ends, where `target` is no folder.
+#[cfg(target_os = "linux")]
+fn example(name: &str, options: &[&str], folder: &Path) -> Child {
+    let mut command = Command::new(env!("CARGO"));
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    command.args(["run", "--quiet", "--release", "--example", name, "--manifest-path"]).arg(manifest.join("Cargo.toml"));
+    command.arg("--target-dir").arg(manifest.join("target")).arg("--").args(options).current_dir(folder);
+    command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().unwrap()
+}
+
+/// Examples print what they found before they tell, with its name, what could not be written; a closed pipe ends them without a word.
+#[cfg(all(feature = "plot", feature = "scene", feature = "serde", target_os = "linux"))]
+#[test]
+#[cfg_attr(debug_assertions, ignore = "runs examples in release")]
+fn examples_tell_what_they_could_not_write() {
+    let folder = folder("examples");
+    std::fs::write(folder.join("target"), "a file").unwrap();
+    for (name, options, found) in [
+        ("first_steps", ["--samples", "2048"], "f(½) = "),
+        ("stopping", ["--samples", "65536"], "round 3"),
+        ("cornell", ["--size", "8"], "relative error of a pixel"),
+    ] {
+        let output = example(name, &options, &folder).wait_with_output().unwrap();
+        let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(out.contains(found) && err.contains("target/plots/") && !err.contains("panicked"), "{name}: {out}\n{err}");
+        assert!(!output.status.success(), "{name}");
+        let mut closed = example(name, &options, &folder);
+        drop(closed.stdout.take());
+        let output = closed.wait_with_output().unwrap();
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && !err.contains("panicked"), "{name}: {err}");
+    }
+    std::fs::remove_dir_all(folder).ok();
+}
+
 /// Highest resident memory so far, KiB.
 #[cfg(target_os = "linux")]
 fn peak() -> u64 {
@@ -196,17 +252,40 @@ fn long_run() {
     std::fs::write(folder.join("peaks"), lines.join("\n")).unwrap();
 }
 
-/// 2²⁴ walks need no more memory than 2²² (the first rounds find how many chunks are in flight).
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "called by memory_stays_flat"]
+fn many_solves() {
+    let Some(folder) = told() else { return };
+    let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);
+    let (query, bins, sobol) = (eq.at(0.5), Bins::new(0.0..=1.0, 8), Sobol::new(1).replicates(4));
+    let mut lines = Vec::new();
+    for i in 0..400 {
+        query.solve(&Walk::next_event().samples_per_cell(2048).seed(i)).unwrap();
+        eq.seen_by(&bins).solve(&Forward::new().sequence(sobol).walks(2048)).unwrap();
+        eq.seen_by(&bins).solve(&Bidirectional::new().samples_per_cell(64)).unwrap();
+        query.solve(&ArrayRqmc::new(Walk::collision().sequence(sobol).samples_per_cell(256))).unwrap();
+        eq.solve(&Nystrom::adaptive()).unwrap().residual(0.5).unwrap();
+        eq.solve(&Galerkin::elements(8)).unwrap();
+        eq.clone().tabulated(8).unwrap();
+        lines.push(format!("{i} {}", peak()));
+    }
+    std::fs::write(folder.join("peaks"), lines.join("\n")).unwrap();
+}
+
+/// 2²⁴ walks need no more memory than 2²² (the first rounds find how many chunks are in flight), and 400 times all kinds of solves no more than 100 times.
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_stays_flat() {
-    let folder = folder("memory");
-    assert!(child("faults::long_run", &folder).wait().unwrap().success());
-    let text = std::fs::read_to_string(folder.join("peaks")).unwrap();
-    let peaks: Vec<Vec<u64>> = text.lines().map(|l| l.split(' ').map(|n| n.parse().unwrap()).collect()).collect();
-    let at = |samples: u64| peaks.iter().find(|p| p[0] >= samples).unwrap()[1];
-    assert!(at(1 << 24) <= at(1 << 22) + 2048, "KiB by walks: {text}");
-    std::fs::remove_dir_all(folder).ok();
+    for (test, early, late) in [("faults::long_run", 1 << 22, 1 << 24), ("faults::many_solves", 99, 399)] {
+        let folder = folder("memory");
+        assert!(child(test, &folder, "2").wait().unwrap().success());
+        let text = std::fs::read_to_string(folder.join("peaks")).unwrap();
+        let peaks: Vec<Vec<u64>> = text.lines().map(|l| l.split(' ').map(|n| n.parse().unwrap()).collect()).collect();
+        let at = |number: u64| peaks.iter().find(|p| p[0] >= number).unwrap()[1];
+        assert!(at(late) <= at(early) + 2048, "KiB by {test}: {text}");
+        std::fs::remove_dir_all(folder).ok();
+    }
 }
 
 /// What runs before a solve meets the same functions: pilots, predictions, tables of strategies.

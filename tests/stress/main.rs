@@ -1,5 +1,7 @@
 //! Stress: what must never be answered wrongly, and what must survive.
 
+mod budgets;
+mod contained;
 #[path = "../common/erased.rs"]
 mod erased;
 mod faults;

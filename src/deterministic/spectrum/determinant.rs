@@ -9,6 +9,7 @@
 
 use super::matrix::Matrix;
 use super::validated;
+use crate::contained::contained;
 use crate::deterministic::erased::erased;
 use crate::deterministic::grid::Grid;
 use crate::deterministic::nystrom::{Nystrom, Rule};
@@ -53,51 +54,55 @@ const SLOW: f64 = 3.0;
 /// [`Error::NonFiniteKernel`] for kernels that are infinite on the diagonal; [`Error::Invalid`] for graded rules; [`Error::NotConverged`] with the last
 /// change.
 pub fn determinant<K: Kernel + HasDomain>(kernel: &K, z: impl Into<Complex<f64>>, settings: &Nystrom) -> Result<Determinant, Error> {
-    validated(kernel)?;
-    let (z, domain) = (z.into(), kernel.domain());
-    if !z.is_finite() {
-        return Err(Error::invalid("z", if z.re.is_finite() { z.im } else { z.re }, "must be finite"));
-    }
-    let at = |panels: usize, order: usize| -> Result<(Complex<f64>, f64, usize), Error> {
-        let (matrix, _) = Matrix::assemble(kernel, &Grid::plain(domain, panels, order)?)?;
-        let rounding = ROUNDING * f64::EPSILON * z.norm() * matrix.norm();
-        let value = matrix.determinant(z);
-        // a product of many factors carries their rounding along
-        Ok((value, rounding * value.norm().max(1.0), matrix.unknowns()))
-    };
-    match settings.rule {
-        Rule::Plain { panels, order } => {
-            let (fine, rounding, unknowns) = at(panels, order)?;
-            let (coarse, ..) =
-                if order > 1 { at(panels, (3 * order).div_ceil(4).min(order - 1))? } else { at((3 * panels).div_ceil(4), 1)? };
-            finite(Determinant { value: fine, error: SLOW * (fine - coarse).norm() + rounding, unknowns })
+    contained(|| {
+        validated(kernel)?;
+        let (z, domain) = (z.into(), kernel.domain());
+        if !z.is_finite() {
+            return Err(Error::invalid("z", if z.re.is_finite() { z.im } else { z.re }, "must be finite"));
         }
-        Rule::Adaptive { tolerance, most } => {
-            let d = domain.dimension() as i32;
-            let mut last: Option<Complex<f64>> = None;
-            let (mut order, mut error, mut largest) = (if d == 1 { 10 } else { 4 }, f64::INFINITY, 0);
-            while (order as f64).powi(d) * domain.states() as f64 <= most as f64 {
-                let (value, rounding, unknowns) = at(1, order)?;
-                largest = unknowns;
-                if let Some(last) = last {
-                    let scale = value.norm().max(1.0);
-                    error = (value - last).norm() + rounding;
-                    if error <= tolerance * scale {
-                        error += z.norm() * unseen(kernel, &Grid::plain(domain, 1, order)?) * scale;
-                    }
-                    if error <= tolerance * scale {
-                        return finite(Determinant { value, error, unknowns });
-                    }
-                }
-                last = Some(value);
-                order = if d == 1 { 2 * order } else { order + order / 2 };
+        let at = |panels: usize, order: usize| -> Result<(Complex<f64>, f64, usize), Error> {
+            let (matrix, _) = Matrix::assemble(kernel, &Grid::plain(domain, panels, order)?)?;
+            let rounding = ROUNDING * f64::EPSILON * z.norm() * matrix.norm();
+            let value = matrix.determinant(z);
+            // a product of many factors carries their rounding along
+            Ok((value, rounding * value.norm().max(1.0), matrix.unknowns()))
+        };
+        match settings.rule {
+            Rule::Plain { panels, order } => {
+                let (fine, rounding, unknowns) = at(panels, order)?;
+                let (coarse, ..) =
+                    if order > 1 { at(panels, (3 * order).div_ceil(4).min(order - 1))? } else { at((3 * panels).div_ceil(4), 1)? };
+                finite(Determinant { value: fine, error: SLOW * (fine - coarse).norm() + rounding, unknowns })
             }
-            Err(Error::NotConverged { error, tolerance, unknowns: largest })
+            Rule::Adaptive { tolerance, most } => {
+                let d = domain.dimension() as i32;
+                let mut last: Option<Complex<f64>> = None;
+                let (mut order, mut error, mut largest) = (if d == 1 { 10 } else { 4 }, f64::INFINITY, 0);
+                while (order as f64).powi(d) * domain.states() as f64 <= most as f64 {
+                    let (value, rounding, unknowns) = at(1, order)?;
+                    largest = unknowns;
+                    if let Some(last) = last {
+                        let scale = value.norm().max(1.0);
+                        error = (value - last).norm() + rounding;
+                        if error <= tolerance * scale {
+                            error += z.norm() * unseen(kernel, &Grid::plain(domain, 1, order)?) * scale;
+                        }
+                        if error <= tolerance * scale {
+                            return finite(Determinant { value, error, unknowns });
+                        }
+                    }
+                    last = Some(value);
+                    order = if d == 1 { 2 * order } else { order + order / 2 };
+                }
+                Err(Error::NotConverged { error, tolerance, unknowns: largest })
+            }
+            Rule::Graded { .. } | Rule::Centred { .. } => Err(Error::invalid(
+                "Nystrom::graded",
+                0.0,
+                "has no determinant, as little as a centred rule: take a plain or an adaptive one",
+            )),
         }
-        Rule::Graded { .. } | Rule::Centred { .. } => {
-            Err(Error::invalid("Nystrom::graded", 0.0, "has no determinant, as little as a centred rule: take a plain or an adaptive one"))
-        }
-    }
+    })
 }
 
 /// What rows and columns of K have between the nodes: the determinant changes by about −z tr((I − zT)⁻¹ δT) of itself.

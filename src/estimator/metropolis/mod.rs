@@ -30,6 +30,7 @@ pub(crate) use tally::choose;
 pub use tally::{OneCell, Tally};
 
 use super::run::check_budget;
+use crate::contained::contained;
 use crate::error::Error;
 use crate::parallel;
 use crate::statistics::{Estimate, Moments, Pooled};
@@ -141,38 +142,40 @@ impl Metropolis {
     /// [`Error::Invalid`] for a single cell, where Metropolis cannot help, fewer than 20 chains, and other parameters outside their range;
     /// [`Error::ZeroTarget`] if no point of any pool scored; whatever a score that is not finite has as its explanation.
     pub fn solve<T: Tally>(&self, tally: &T) -> Result<Chains<T::Value>, Error> {
-        let clock = Instant::now();
-        self.validate(tally.cells())?;
-        let setting =
-            Setting { seed: self.seed, mutations: self.mutations, pool: self.pool, large: self.large, steps: self.steps, scale: None };
-        let (scale, scaling) = match self.large_steps {
-            LargeSteps::Proposals => (None, Spent::default()),
-            LargeSteps::Combined => setting.scale(tally, self.chains).map(|(scale, spent)| (Some(scale), spent))?,
-        };
-        let setting = Setting { scale, ..setting };
-        let outcomes = parallel::map(self.chains as usize, |c| setting.chain(tally, c as u64));
-        let outcomes = outcomes.into_iter().collect::<Result<Vec<Outcome<T::Value>>, Error>>()?;
-        let pools = pooled(outcomes.iter().map(|o| &o.pool));
-        if pools.moments.nonzero == 0 {
-            return Err(Error::ZeroTarget { samples: self.chains * self.pool });
-        }
-        let elapsed = clock.elapsed();
-        let pooling = outcomes.iter().fold(Spent::default(), |sum, o| sum.and(o.before));
-        let spent = outcomes.iter().fold(pooling.and(scaling), |sum, o| sum.and(o.after));
-        let cost = Cost { spent, elapsed };
-        let cell = |j: usize| {
-            let chains: Vec<Moments<T::Value>> = outcomes.iter().map(|o| o.cells[j].moments(2 * self.mutations)).collect();
-            cost.estimate(Pooled::randomised(&chains))
-        };
-        let share = |count: fn(&Outcome<T::Value>) -> (u64, u64)| {
-            let (proposed, accepted) = outcomes.iter().map(count).fold((0, 0), |(a, b), (p, q)| (a + p, b + q));
-            (proposed > 0).then(|| accepted as f64 / proposed as f64)
-        };
-        Ok(Chains {
-            cells: (0..tally.cells()).map(cell).collect(),
-            normalisation: Cost { spent: pooling, elapsed }.estimate(pools),
-            acceptance: share(|o| o.small),
-            large_acceptance: share(|o| o.large),
+        contained(|| {
+            let clock = Instant::now();
+            self.validate(tally.cells())?;
+            let setting =
+                Setting { seed: self.seed, mutations: self.mutations, pool: self.pool, large: self.large, steps: self.steps, scale: None };
+            let (scale, scaling) = match self.large_steps {
+                LargeSteps::Proposals => (None, Spent::default()),
+                LargeSteps::Combined => setting.scale(tally, self.chains).map(|(scale, spent)| (Some(scale), spent))?,
+            };
+            let setting = Setting { scale, ..setting };
+            let outcomes = parallel::map(self.chains as usize, |c| setting.chain(tally, c as u64));
+            let outcomes = outcomes.into_iter().collect::<Result<Vec<Outcome<T::Value>>, Error>>()?;
+            let pools = pooled(outcomes.iter().map(|o| &o.pool));
+            if pools.moments.nonzero == 0 {
+                return Err(Error::ZeroTarget { samples: self.chains * self.pool });
+            }
+            let elapsed = clock.elapsed();
+            let pooling = outcomes.iter().fold(Spent::default(), |sum, o| sum.and(o.before));
+            let spent = outcomes.iter().fold(pooling.and(scaling), |sum, o| sum.and(o.after));
+            let cost = Cost { spent, elapsed };
+            let cell = |j: usize| {
+                let chains: Vec<Moments<T::Value>> = outcomes.iter().map(|o| o.cells[j].moments(2 * self.mutations)).collect();
+                cost.estimate(Pooled::randomised(&chains))
+            };
+            let share = |count: fn(&Outcome<T::Value>) -> (u64, u64)| {
+                let (proposed, accepted) = outcomes.iter().map(count).fold((0, 0), |(a, b), (p, q)| (a + p, b + q));
+                (proposed > 0).then(|| accepted as f64 / proposed as f64)
+            };
+            Ok(Chains {
+                cells: (0..tally.cells()).map(cell).collect(),
+                normalisation: Cost { spent: pooling, elapsed }.estimate(pools),
+                acceptance: share(|o| o.small),
+                large_acceptance: share(|o| o.large),
+            })
         })
     }
 
@@ -185,6 +188,9 @@ impl Metropolis {
         if self.chains < 20 {
             return Err(Error::invalid("chains", self.chains as f64, "must be at least 20: the interval comes from them"));
         }
+        Error::held("chains", self.chains)?;
+        Error::held("cells", cells as u64)?;
+        Error::held("pool", self.pool)?;
         check_budget("mutations", self.mutations, None)?;
         check_budget("pool", self.pool, None)?;
         if !(self.large > 0.0 && self.large <= 1.0) {

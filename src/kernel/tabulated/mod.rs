@@ -78,6 +78,7 @@ impl<D: Domain> Tabulated<D> {
         if cells == 0 {
             return Err(Error::invalid("cells", 0.0, "must be at least 1"));
         }
+        Error::held("cells × cells", (cells as u64).saturating_mul(cells as u64).saturating_mul(domain.states() as u64))?;
         if domain.dimension() != 1 {
             return Err(Error::invalid("dimension", domain.dimension() as f64, "tabulated proposals need a one-dimensional domain"));
         }

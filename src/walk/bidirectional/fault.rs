@@ -21,19 +21,18 @@ where
     /// The first fault of a pair: in the walks, then in what joins them.
     #[cold]
     pub(super) fn fault(&self, cell: usize, walk: u64, fault: Option<Fault>, memory: &Memory<G, K>) -> Option<Error> {
-        match fault {
-            Some(Fault::TooLong) => return Some(Error::WalkTooLong { cell, walk, steps: self.max_steps }),
-            Some(Fault::Survival) => return Some(self.survival(memory)),
-            None => {}
+        if fault == Some(Fault::TooLong) {
+            return Some(Error::WalkTooLong { cell, walk, steps: self.max_steps });
         }
-        self.eye_fault(cell, walk, memory).or_else(|| self.light_fault(cell, walk, memory)).or_else(|| self.edge_fault(memory))
+        let found = self.survival(memory).or_else(|| self.eye_fault(cell, walk, memory));
+        found.or_else(|| self.light_fault(cell, walk, memory)).or_else(|| self.edge_fault(memory))
     }
 
-    fn survival(&self, memory: &Memory<G, K>) -> Error {
+    fn survival(&self, memory: &Memory<G, K>) -> Option<Error> {
         let backward = memory.eye.iter().map(|v| (format!("{:?}", v.state), v.survival));
         let forward = memory.light.iter().map(|v| (format!("{:?}", v.state), v.survival));
-        let (at, value) = backward.chain(forward).find(|v| !(v.1 >= 0.0)).unwrap_or(("a vertex".into(), f64::NAN));
-        Error::InvalidProbability { at, value }
+        let (at, value) = backward.chain(forward).find(|v| !(v.1 >= 0.0))?;
+        Some(Error::InvalidProbability { at, value })
     }
 
     fn eye_fault(&self, cell: usize, walk: u64, memory: &Memory<G, K>) -> Option<Error> {

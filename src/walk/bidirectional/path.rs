@@ -40,6 +40,7 @@ pub(super) trait Burden<W: Weight>: Copy {
     fn carry(&self, reciprocal: f64, step: W) -> Self;
     /// |α|/|α at the start|, which does not depend on the units of h and g
     fn size(&self) -> f64;
+    fn is_finite(&self) -> bool;
 }
 
 /// A matrix, backward.
@@ -60,6 +61,10 @@ impl<W: Weight> Burden<W> for Matrix<W> {
         // 0/0: a walk of weight 0 is worth nothing
         if here == 0.0 { 0.0 } else { here / self.start }
     }
+    #[inline]
+    fn is_finite(&self) -> bool {
+        self.weight.entries_finite()
+    }
 }
 
 /// A value, forward.
@@ -71,6 +76,10 @@ impl<W: Weight> Burden<W> for Carried<W::Value> {
     #[inline]
     fn size(&self) -> f64 {
         self.relative()
+    }
+    #[inline]
+    fn is_finite(&self) -> bool {
+        Carried::is_finite(self)
     }
 }
 
@@ -102,6 +111,11 @@ impl<K: TransitionPdf, E: Ending<K>, L: Burden<K::Weight>> Errand<K> for Keeper<
     #[inline]
     fn magnitude(load: &L) -> f64 {
         load.size()
+    }
+
+    #[inline]
+    fn is_sound(load: &L) -> bool {
+        load.is_finite()
     }
 
     #[inline]
@@ -163,7 +177,8 @@ impl<S: Sampler> Sampler for Turns<'_, S> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fault {
     TooLong,
-    Survival,
+    /// a survival probability or a load that is none
+    Lost,
 }
 
 /// The walk from `start`, a state with its load and density, in the blocks of one parity; returns its steps, and why it has no score.
@@ -185,5 +200,5 @@ where
     let mut end = End::Roulette;
     let steps = driver.walk(&mut keeper, &mut [Lane::new(0, state, load, Turns { u, offset })], ranks, &mut (), |walk| end = walk.end);
     let too_long = (end == End::TooLong).then_some(Fault::TooLong);
-    (steps, if keeper.poisoned { Some(Fault::Survival) } else { too_long })
+    (steps, if keeper.poisoned { Some(Fault::Lost) } else { too_long })
 }

@@ -47,13 +47,16 @@ where
     pub(super) fn all_cells<Q: Sequence>(&self, sequence: &Q, samples: u64) -> Result<Vec<Estimate<G::Value>>, Error> {
         let (clock, cells) = (Instant::now(), self.detector.cells());
         let replicates = u64::from(sequence.replicates().unwrap_or(1));
+        Error::held("cells × replicates", (cells as u64).saturating_mul(replicates))?;
         let (count, size) = (samples.div_ceil(replicates), (TABLE / cells).clamp(1, 1024) as u64);
         let (blocks, batch) = (count.div_ceil(size), (BATCH / cells).clamp(4, 4096));
+        // of budgets that nobody will see spent
+        let tasks = blocks.saturating_mul(replicates);
         let mut moments = vec![vec![Moments::default(); replicates as usize]; cells];
         let mut tails = vec![Tail::default(); if cells <= CELLS_WITH_TAILS { cells } else { 0 }];
         let (mut steps, mut evaluations) = (0, 0);
-        for from in (0..blocks * replicates).step_by(batch) {
-            let to = (from + batch as u64).min(blocks * replicates);
+        for from in (0..tasks).step_by(batch) {
+            let to = from.saturating_add(batch as u64).min(tasks);
             let parts = parallel::map((to - from) as usize, |i| {
                 let (replicate, start) = ((from + i as u64) / blocks, (from + i as u64) % blocks * size);
                 self.block(sequence, replicate as u32, start..(start + size).min(count), &tails)

@@ -41,6 +41,8 @@ impl<V: Value> Strategy<V> {
 
 /// Pairs in a chunk: moments are taken chunk by chunk, so this number is part of the result's bits.
 const CHUNK: u64 = 1024;
+/// Chunks in flight before they are merged: bounds memory.
+const BATCH: u64 = 1024;
 
 /// A larger table is refused: orders up to m have (m + 1)(m + 4)/2 strategies, each with two columns of scores.
 pub(crate) const MOST_EDGES: u64 = 64;
@@ -106,16 +108,19 @@ where
             let why = "the table of strategies takes its errors from independent points: use `Pcg`";
             return Err(Error::invalid("replicates", f64::from(replicates), why));
         }
-        let parts = parallel::map(walks.samples.div_ceil(CHUNK) as usize, |task| {
-            let first = task as u64 * CHUNK;
-            pairs.columns(&walks.sequence, cell, first..(first + CHUNK).min(walks.samples), order)
-        });
         let strategy = |(s, t)| Strategy { s, t, alone: Moments::default(), weighted: Moments::default() };
         let mut table: Vec<Strategy<G::Value>> = places(order).map(strategy).collect();
-        for part in parts {
-            for (strategy, [alone, weighted]) in table.iter_mut().zip(part?) {
-                strategy.alone.merge(&alone);
-                strategy.weighted.merge(&weighted);
+        let chunks = walks.samples.div_ceil(CHUNK);
+        for from in (0..chunks).step_by(BATCH as usize) {
+            let parts = parallel::map((from + BATCH).min(chunks) as usize - from as usize, |task| {
+                let first = (from + task as u64) * CHUNK;
+                pairs.columns(&walks.sequence, cell, first..first.saturating_add(CHUNK).min(walks.samples), order)
+            });
+            for part in parts {
+                for (strategy, [alone, weighted]) in table.iter_mut().zip(part?) {
+                    strategy.alone.merge(&alone);
+                    strategy.weighted.merge(&weighted);
+                }
             }
         }
         Ok(table)

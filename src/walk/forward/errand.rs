@@ -51,6 +51,12 @@ impl<V: Value> Carried<V> {
         Carried { unit: step.transposed().apply(self.unit.scale(reciprocal)), ..*self }
     }
 
+    /// Whether W_n is finite.
+    #[inline]
+    pub(in crate::walk) fn is_finite(&self) -> bool {
+        self.unit.all_finite()
+    }
+
     /// |W_n|/|W₀|.
     #[inline]
     pub(in crate::walk) fn relative(&self) -> f64 {
@@ -91,6 +97,11 @@ where
     #[inline]
     fn magnitude(load: &Carried<G::Value>) -> f64 {
         load.relative()
+    }
+
+    #[inline]
+    fn is_sound(load: &Carried<G::Value>) -> bool {
+        load.is_finite()
     }
 
     #[inline]

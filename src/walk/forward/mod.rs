@@ -26,6 +26,7 @@ pub use tally::ForwardTally;
 pub use trace::ForwardTrace;
 
 use super::{Collision, Ending, FixedDepth, InProgress, NextEvent, Progressive, Roulette, Subcritical, Walk};
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Method};
 use crate::error::Error;
@@ -195,7 +196,7 @@ impl<C, E, Q: Sequence> Forward<C, E, Q> {
         E: Ending<K::Adjoint>,
         D: Detector<Point = G::Point>,
     {
-        Ok(ForwardRun::new(&self.walk, equation, detector)?.trace(walk))
+        contained(|| Ok(ForwardRun::new(&self.walk, equation, detector)?.trace(walk)))
     }
 }
 

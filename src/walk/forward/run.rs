@@ -62,9 +62,7 @@ where
         let adjoint = equation.kernel().adjoint()?;
         let truncation = walk.budgeted(equation, &adjoint, || detector.norm())?;
         let cells = detector.cells();
-        if cells > u32::MAX as usize {
-            return Err(Error::invalid("cells", cells as f64, "must fit into 32 bits"));
-        }
+        Error::held("cells × replicates", (cells as u64).saturating_mul(u64::from(walk.sequence.replicates().unwrap_or(1))))?;
         // the budget may change on resume, the method may not
         let method = format!("forward {:?} {:?} {} {}", walk.scoring, walk.ending, walk.sequence.describe(), walk.max_steps);
         let state = Checkpoint::start(method, cells, &walk.sequence);
@@ -110,11 +108,12 @@ where
         let clock = Instant::now();
         let replicates = self.walk.sequence.replicates().map(u64::from);
         let batches = replicates.unwrap_or(batches.min(self.walk.samples));
+        Error::held("batches", batches)?;
         let size = self.walk.samples.div_ceil(batches);
         let this = &*self;
         let results = parallel::map(batches as usize, |b| match replicates {
             Some(_) => this.chunk(b as u32, 0, size),
-            None => this.chunk(0, b as u64 * size, (b as u64 + 1) * size),
+            None => this.chunk(0, (b as u64).saturating_mul(size), (b as u64 + 1).saturating_mul(size)),
         });
         let results = results.into_iter().collect::<Result<Vec<_>, Error>>()?;
         results.iter().for_each(|chunk| self.state.common.add(chunk.count));

@@ -4,6 +4,7 @@ use super::Forward;
 use super::errand::{Onward, born};
 use super::scoring::ForwardScoring;
 use super::trace::Recorder;
+use crate::contained::contained;
 use crate::detector::Detector;
 use crate::equation::{Equation, Query};
 use crate::error::Error;
@@ -60,15 +61,17 @@ where
         E: Ending<K::Adjoint>,
         Q: Sequence,
     {
-        let (equation, detector, walk) = (self.equation(), self.detector(), walk.walk);
-        equation.validate()?;
-        detector.validate()?;
-        let adjoint = equation.kernel().adjoint()?;
-        walk.budgeted(equation, &adjoint, || None)?;
-        if let Some(depth) = walk.ending.cut() {
-            return Err(Error::invalid("depth", depth as f64, "a walk cut at a fixed depth is no unbiased estimator"));
-        }
-        Ok(ForwardTally { equation, adjoint, detector, walk: walk.sequence(Pcg::default()) })
+        contained(|| {
+            let (equation, detector, walk) = (self.equation(), self.detector(), walk.walk);
+            equation.validate()?;
+            detector.validate()?;
+            let adjoint = equation.kernel().adjoint()?;
+            walk.budgeted(equation, &adjoint, || None)?;
+            if let Some(depth) = walk.ending.cut() {
+                return Err(Error::invalid("depth", depth as f64, "a walk cut at a fixed depth is no unbiased estimator"));
+            }
+            Ok(ForwardTally { equation, adjoint, detector, walk: walk.sequence(Pcg::default()) })
+        })
     }
 }
 

@@ -144,6 +144,7 @@ where
         if pilot < 2 {
             return Err(Error::invalid("pilot", pilot as f64, "must be at least 2 walks"));
         }
+        Error::held("pilot", pilot)?;
         let alpha = contained(|| self.control(walk, pilot))?;
         Ok(walk.scored_by(OptimalMis { base: walk.scoring, alpha }))
     }
