@@ -44,7 +44,6 @@ fn option(name: &str, default: u64) -> u64 {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let (largest, replicates, slab) = (option("--samples", 1 << 14), option("--replicates", 32), Interval::from(0.0..=10.0));
     let exact = Equation::on_interval(0.0..=10.0, |_| 1.0, |x: f64, y: f64| 0.5 * C * (-(x - y).abs()).exp());
     let exact = exact.solve(&Nystrom::graded(64, 8))?.eval(5.0);

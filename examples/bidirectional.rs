@@ -39,7 +39,6 @@ fn option(name: &str, default: u64) -> u64 {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let n = option("--samples", 1 << 16);
     let end = Roulette::constant(0.8);
     let (back, event) = (Walk::collision().roulette(end).samples_per_cell(n), Walk::mis().roulette(end).samples_per_cell(n));

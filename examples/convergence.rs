@@ -40,7 +40,6 @@ fn errors(samples: u64, repetitions: u64, solve: Solve<'_>) -> Result<Vec<Point>
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    sigpipe::reset();
     let (samples, repetitions) = (option("--samples", 1 << 16), option("--repetitions", 100).max(1));
     let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x: f64, y: f64| 0.5 * (-(x - y).abs()).exp());
     let tabulated = eq.clone().tabulated(64)?;

@@ -14,7 +14,6 @@ use fredholm::deterministic::{Nystrom, eigenpairs};
 use fredholm::transport::{Critical, Slab};
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let mut arguments = std::env::args().skip(1).map(|a| a.parse::<f64>().unwrap_or(f64::NAN));
     let c = arguments.next().unwrap_or(1.5);
     let tolerance = arguments.next().unwrap_or(1e-10);

@@ -47,7 +47,6 @@ fn around(middle: f64, width: f64) -> Interval {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let walks = std::env::args().skip_while(|a| a != "--walks").nth(1).map_or(50_000, |n| n.parse().expect("a whole number"));
     let unit = Interval::from(0.0..=1.0);
     let names = ["backward, collision", "backward, next event", "forward, collision", "forward, next event"];

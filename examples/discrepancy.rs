@@ -36,7 +36,6 @@ fn measure(draw: Draw, n: u64, seeds: u64) -> Result<(f64, f64), Error> {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let (largest, seeds) = (option("--points", 4096), option("--seeds", 5).max(1));
     let sequences: [(&str, Draw); 7] = [
         ("PCG", |s, n| square(Pcg::new(0), s, n)),

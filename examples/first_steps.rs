@@ -9,7 +9,6 @@ use fredholm::walk::{Heuristic, Roulette};
 use fredholm::{Equation, Error, Estimate, Method, Walk, plot::Comparison};
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let n = std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("a whole number"));
 
     let eq = Equation::on_interval(0.0..=1.0, |_| 1.0, |x, y| 0.5 * x * y);

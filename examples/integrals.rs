@@ -30,7 +30,6 @@ macro_rules! table {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let n = option("--samples", 1 << 14);
     let rule = Gauss::legendre(256, 8);
     let mut rows = Vec::<(&str, Estimate)>::new();

@@ -24,7 +24,6 @@ fn judge(cells: &[Estimate], exact: &[f64]) -> (f64, f64) {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let mutations = option("--mutations", 1 << 12);
     let peak = |x: f64| (-0.5 * ((x - 0.8) / 0.002f64).powi(2)).exp() / 0.005;
     let eq = Equation::on_interval(0.0..=1.0, peak, |x: f64, y: f64| 0.5 * (-2.0 * (x - y).abs()).exp());

@@ -16,7 +16,6 @@ const XS: [f64; 9] = [-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0];
 const SIGMAS: f64 = 4.0;
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let n = std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(100_000, |n| n.parse().expect("a whole number"));
     let eq = Equation::on_interval(-1.0..=1.0, |_| 1.0, |x: f64, y: f64| 1.0 / (PI * (1.0 + (x - y).powi(2))));
 

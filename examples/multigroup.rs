@@ -23,7 +23,6 @@ fn exact(group: usize, x: f64) -> f64 {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let n = std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(100_000, |n| n.parse().expect("a whole number"));
     let xs = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
     let decay = |x: f64, y: f64| 0.5 * (-(x - y).abs()).exp();

@@ -58,7 +58,6 @@ impl SampleSource for Glow {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let n = std::env::args().skip_while(|a| a != "--samples").nth(1).map_or(1 << 16, |n| n.parse().expect("a whole number"));
     let eq = Equation::new(Glow, Flight(Interval::from(0.0..=1.0)));
     // does it keep its laws? a broken one would be named, with the place and the numbers

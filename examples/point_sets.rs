@@ -22,7 +22,6 @@ fn pairs(sequence: &impl Sequence, first: usize, n: u64) -> Result<Vec<[f64; 2]>
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let side = (option("--points", 256) as f64).sqrt().round().max(1.0) as u64;
     let n = side * side;
     let sets = [

@@ -15,7 +15,6 @@ use fredholm::{Equation, Error, Forward, Walk, plot};
 const POINTS: usize = 100;
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let walks = std::env::args().skip_while(|a| a != "--walks").nth(1).map_or(100_000, |n| n.parse().expect("a whole number"));
     let slab = Slab::new(4.0).scattering(0.9);
     let eq = Equation::new(slab.beam(0.5), &slab);

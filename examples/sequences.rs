@@ -41,7 +41,6 @@ fn study(title: &str, file: &str, truth: f64, rows: &[(&str, Solve<'_>)]) -> Res
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let line = Integral::on_interval(0.0..=1.0, f64::exp);
     let square = Integral::on(Cuboid::<2>::unit(), |x| (x[0] + x[1]).exp() * (x[0] - x[1]).cos());
     let plain = Secondary::plain;

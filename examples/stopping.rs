@@ -15,7 +15,6 @@ fn option<T: FromStr>(name: &str, default: T) -> T {
 }
 
 fn main() -> Result<(), Box<dyn error::Error>> {
-    sigpipe::reset();
     let g = |x: f64| (-x).exp() - 0.5 + 0.5 * (-(x + 1.0)).exp();
     let eq = Equation::on_interval(0.0..=1.0, g, |x: f64, y: f64| 0.5 * (x + 1.0) * (-x * y).exp());
     let (query, walk) = (eq.at(0.5), Walk::next_event().samples_per_cell(option("--samples", 1 << 24)));

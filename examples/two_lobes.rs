@@ -22,7 +22,6 @@ fn lobe(width: f64) -> impl Density<f64> + Clone + std::fmt::Debug + 'static {
 }
 
 fn main() -> Result<(), Error> {
-    sigpipe::reset();
     let samples = option("--samples", 4096);
     let highlight = lobe(0.03);
     let names = ["highlight alone", "lamp alone", "average", "maximum", "balance", "power, β = 2", "optimal"];
