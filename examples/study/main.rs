@@ -1,6 +1,6 @@
 //! Which method is fastest to an accuracy? Problems × methods: true error against wall time and against evaluations of the kernel.
 //!
-//! Equation: f(x) = g(x) + ∫ K(x, y) f(y) dμ(y) for a dozen kernels of known f (smooth, peaked, oscillating, singular, long walks), and three scenes.
+//! Equation: f(x) = g(x) + ∫ K(x, y) f(y) dμ(y) for a dozen kernels of known f (smooth, peaked, oscillating, singular, long walks), and four scenes.
 //! Answer: `study.csv`, two plots a problem, and `study.md`: the fastest method to 1e-2, 1e-4, 1e-6, 1e-9.
 //!
 //! `cargo run --release --example study -- [--small] [--out DIR] [--peers FILE] [--problem NAME|FILE.json] [--no-scenes]`: half an hour, or with `--small`
@@ -64,7 +64,7 @@ fn study(options: &Options) -> Result<Vec<Problem>, String> {
         done(boxes::problem(name, options.effort)?);
     }
     for scene in scenes::SCENES.iter().filter(|s| options.scenes == Scenes::With && wanted(&s.name)) {
-        done(scene.problem(options.effort)?);
+        done(scene.problem(options.effort, &peers)?);
     }
     println!("\n{}", report::table(&problems));
     if let Some(fault) = unwritten {

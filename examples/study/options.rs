@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 pub(crate) const USAGE: &str = "usage: study [--small] [--out DIR] [--peers FILE]… [--problem NAME|FILE.json]… [--no-scenes]
   --small     few sizes and repetitions: seconds instead of minutes
-  --peers     lines `peer;problem;N;threads;best s;median s;error;note` of other programs, laid over the plots
+  --peers     lines `peer;problem;N;threads;best s;median s;error;note` of other programs, or tables of images, laid over the plots
   --problem   only these: names of built-in problems and scenes, or equations as text on a line; where a file tells no value of f, a tight adaptive
               solve does";
 

@@ -3,6 +3,7 @@
 
 use crate::curve::{Curve, Family, Point};
 use crate::options::Effort;
+use crate::peers::Peers;
 use crate::problem::Problem;
 use fredholm::sampling::{Layout, Sobol};
 use fredholm::scene::{Emission, Film, Image, LightTransport, load};
@@ -58,16 +59,18 @@ pub(crate) struct Stored {
     deviation: Option<&'static str>,
 }
 
-pub(crate) const SCENES: [Stored; 3] = [
+pub(crate) const SCENES: [Stored; 4] = [
     Stored { name: "plates", image: "plates_exact.npy", deviation: None },
     Stored { name: "cornell", image: "cornell.npy", deviation: Some("cornell_se.npy") },
+    Stored { name: "many_lights", image: "many_lights.npy", deviation: Some("many_lights_se.npy") },
     Stored { name: "ajar_door", image: "ajar_door.npy", deviation: Some("ajar_door_se.npy") },
 ];
 
 impl Stored {
-    /// All methods on it.
-    pub(crate) fn problem(&self, effort: Effort) -> Result<Problem, String> {
+    /// All methods on it, and what other programs have measured.
+    pub(crate) fn problem(&self, effort: Effort, peers: &Peers) -> Result<Problem, String> {
         let truth = stored(self.image)?;
+        let mean = truth.iter().sum::<f64>() / truth.len() as f64;
         let noise = self.deviation.map(stored).transpose()?.map_or(0.0, |se| se.iter().map(|e| e * e).sum::<f64>() / se.len() as f64);
         let loaded = load(format!("tests/data/scenes/{}.gltf", self.name)).map_err(|e| e.to_string())?;
         let scene = loaded.builder.build().map_err(|e| e.to_string())?;
@@ -88,7 +91,8 @@ impl Stored {
             }
             curve
         });
-        Ok(Problem { name: self.name.into(), class: CLASS.into(), curves: curves.collect() })
+        let curves = curves.chain(peers.curves(self.name, mean)).collect();
+        Ok(Problem { name: self.name.into(), class: CLASS.into(), curves })
     }
 }
 
