@@ -111,14 +111,15 @@ fn pairs_gain_by_optimal_weights() {
     }
 }
 
-/// A pilot that has seen some strategies once or never makes no weights of them: without that caution the variance grew up to ninefold here.
+/// A pilot that has seen some strategies once or never makes no weights of them: without that caution the variance grew up to ninefold here. One of 256 pairs
+/// may still be misled.
 #[test]
 fn small_pilots_do_no_harm() {
     let eq = erased!((0.0, 1.0), |x: f64| (2.0 * x).exp(), |x: f64, y: f64| f64::from(u8::from(x > y)));
     let (eq, roulette) = (eq.tabulated(16).unwrap().tabulated_source(16).unwrap(), Roulette::constant(0.7));
     let (query, pairs) = (eq.at(0.3), Bidirectional::new().roulette(roulette).samples_per_cell(1 << 13));
     let balance = query.solve(&pairs).unwrap().variance().unwrap();
-    for (pilot, most) in [(256, 1.5), (2048, 1.2)] {
+    for (pilot, most) in [(512, 1.2), (2048, 1.0)] {
         for seed in 0..20 {
             let ratio = query.solve(&pairs.seed(seed).optimal(pilot)).unwrap().variance().unwrap() / balance;
             assert!(ratio < most, "pilot {pilot}, seed {seed}: {ratio}");
