@@ -65,6 +65,7 @@ where
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    sigpipe::reset();
     let (size, samples) = (option("--size", 256) as usize, option("--samples", 256));
     let scene = cornell()?;
     let film = scene.film(Camera::look_at([278.0, 273.0, -800.0], [278.0, 273.0, 0.0]).field_of_view(39.3), size, size);

@@ -33,6 +33,7 @@ fn show(name: &str, pixel: &Estimate<Spectrum<3>>) {
 }
 
 fn main() -> Result<(), Error> {
+    sigpipe::reset();
     let mut arguments = std::env::args().skip_while(|a| a != "--samples");
     let samples = arguments.nth(1).and_then(|a| a.parse().ok()).unwrap_or(1 << 16);
     let scene = furnished()?;
