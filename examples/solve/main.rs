@@ -16,6 +16,7 @@ mod any;
 mod deterministic;
 mod options;
 mod plot;
+mod replace;
 mod report;
 mod rules;
 mod spectrum;
@@ -89,20 +90,14 @@ fn run(options: &Options) -> Result<Tally, String> {
         }
     }
     if let Some(path) = &options.csv {
-        report::csv(&lines, &judge).and_then(|csv| replace(path, &csv)).map_err(|e| format!("{}: {e}", path.display()))?;
+        replace::replace(path, report::csv(&lines, &judge).map_err(|e| e.to_string())?)?;
         println!("all numbers: {}", path.display());
     }
     if let Some(path) = &options.plot {
-        plot::errors(&lines).and_then(|svg| Ok(replace(path, svg.as_bytes())?)).map_err(|e| format!("{}: {e}", path.display()))?;
+        replace::replace(path, plot::errors(&lines).map_err(|e| format!("{}: {e}", path.display()))?)?;
         println!("errors of all methods: {}", path.display());
     }
     Ok(tally)
-}
-
-/// Written beside and renamed: whenever the program is killed, the old file or the whole new one is there.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path))
 }
 
 /// The files given, and the `*.json` of folders in alphabetical order.

@@ -20,6 +20,8 @@ mod options;
 mod peers;
 mod problem;
 mod problems;
+#[path = "../solve/replace.rs"]
+mod replace;
 mod report;
 #[path = "../solve/rules.rs"]
 mod rules;
@@ -34,7 +36,6 @@ use fredholm::{Equation, Walk};
 use options::{Options, Scenes};
 use peers::Peers;
 use problem::Problem;
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -78,15 +79,9 @@ fn study(options: &Options) -> Result<Vec<Problem>, String> {
 fn write(options: &Options, problems: &[Problem]) -> Result<(), String> {
     let folder = &options.out;
     std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    replace(&folder.join("study.csv"), &report::csv(problems))?;
-    replace(&folder.join("study.md"), &report::table(problems))?;
+    replace::replace(&folder.join("study.csv"), report::csv(problems))?;
+    replace::replace(&folder.join("study.md"), report::table(problems))?;
     problems.last().map_or(Ok(()), |p| report::plots(p, folder)).map_err(|e| e.to_string())
-}
-
-/// Written beside and renamed: whenever the program is killed, a whole table is there.
-fn replace(path: &Path, text: &str) -> Result<(), String> {
-    let part = path.with_extension("part");
-    std::fs::write(&part, text).and_then(|()| std::fs::rename(&part, path)).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 fn main() -> ExitCode {

@@ -66,12 +66,24 @@ pub(crate) const SCENES: [Stored; 4] = [
     Stored { name: "ajar_door", image: "ajar_door.npy", deviation: Some("ajar_door_se.npy") },
 ];
 
+/// What images are compared with.
+struct Truth {
+    values: Vec<f64>,
+    mean: f64,
+    /// Mean square of its standard errors.
+    noise: f64,
+}
+
 impl Stored {
+    fn truth(&self) -> Result<Truth, String> {
+        let values = stored(self.image)?;
+        let noise = self.deviation.map(stored).transpose()?.map_or(0.0, |se| se.iter().map(|e| e * e).sum::<f64>() / se.len() as f64);
+        Ok(Truth { mean: values.iter().sum::<f64>() / values.len() as f64, values, noise })
+    }
+
     /// All methods on it, and what other programs have measured.
     pub(crate) fn problem(&self, effort: Effort, peers: &Peers) -> Result<Problem, String> {
-        let truth = stored(self.image)?;
-        let mean = truth.iter().sum::<f64>() / truth.len() as f64;
-        let noise = self.deviation.map(stored).transpose()?.map_or(0.0, |se| se.iter().map(|e| e * e).sum::<f64>() / se.len() as f64);
+        let truth = self.truth()?;
         let loaded = load(format!("tests/data/scenes/{}.gltf", self.name)).map_err(|e| e.to_string())?;
         let scene = loaded.builder.build().map_err(|e| e.to_string())?;
         let film = scene.film(loaded.cameras[0].0, SIZE, SIZE);
@@ -84,25 +96,24 @@ impl Stored {
             while n <= effort.pixel {
                 let clock = Instant::now();
                 match equation.seen_by(&film).solve(&*make(n, n)) {
-                    Ok(image) => curve.points.push(point(&image, &truth, noise, n, clock.elapsed().as_secs_f64())),
+                    Ok(image) => curve.points.push(point(&image, &truth, n, clock.elapsed().as_secs_f64())),
                     Err(e) => curve.refusal = Some(e.to_string()),
                 }
                 n *= 4;
             }
             curve
         });
-        let curves = curves.chain(peers.curves(self.name, mean)).collect();
+        let curves = curves.chain(peers.curves(self.name, truth.mean)).collect();
         Ok(Problem { name: self.name.into(), class: CLASS.into(), curves })
     }
 }
 
 /// The noise of the reference is taken off the mean square.
-fn point(image: &Picture, truth: &[f64], noise: f64, n: u64, seconds: f64) -> Point {
-    let ours = image.pixels().iter().flat_map(|p| p.value.0);
-    let squares = ours.zip(truth).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / truth.len() as f64;
-    let mean = truth.iter().sum::<f64>() / truth.len() as f64;
+fn point(image: &Picture, Truth { values, mean, noise }: &Truth, n: u64, seconds: f64) -> Point {
+    let (ours, count) = (image.pixels().iter().flat_map(|p| p.value.0), values.len() as f64);
+    let squares = ours.zip(values).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / count;
     let evaluations = image.pixels().iter().map(|p| p.evaluations).sum::<u64>() as f64;
     let error = (squares - noise).max(0.0).sqrt() / mean;
     let stated = image.pixels().iter().flat_map(|p| p.std_error.map_or([f64::NAN; 3], |s| s.0)).map(|e| e * e).sum::<f64>();
-    Point { setting: n.to_string(), seconds, evaluations, error, reported: (stated / truth.len() as f64).sqrt() / mean }
+    Point { setting: n.to_string(), seconds, evaluations, error, reported: (stated / count).sqrt() / mean }
 }
